@@ -40,8 +40,8 @@ from .figures.capacities import capacity_curve
 from .figures.drawing import structure_axes
 from .figures.fragility_curves import fragility_curves
 from .figures.maps import outcome_map
+from .figures.memory import memory_file
 from .figures.shares import shares
-from .figures.spectrum_cells import cells_of
 from .wording import draws_in_words, parameter_rows
 
 SIDE = 60  # values on each axis of a map, whose cells are printed 1 mm wide
@@ -242,8 +242,9 @@ def _grid_around(omega: float, amplitude: float, mine: Sequence[Verdict]) -> Gri
 def _draw_map(figure: Figure, found: Spectrum, omega: float, amplitude: float) -> None:
     """Draw the map of a spectrum, and a star at the demand [rad/s, m/s2]."""
     figure.set_size_inches(*_SIZE)
-    axes = figure.add_subplot()
-    entries = outcome_map(axes, cells_of(found), 0, FIGURE_UNITS)
+    axes, cells = figure.add_subplot(), memory_file(found)
+    assert cells is not None
+    entries = outcome_map(axes, cells, 0, FIGURE_UNITS)
     x = omega / FIGURE_UNITS.column("omega_g")[2]
     y = amplitude / FIGURE_UNITS.column("a_g")[2]
     entries += axes.plot(

@@ -1,20 +1,23 @@
-"""Results in memory, in the forms that the figures take: rows of texts in SI units, or
-a spectra file.
+"""Results in memory, in the forms that the figures take: rows of texts in SI units, and
+the cells of a spectra file.
 """
 
-from collections.abc import Iterator, Mapping
-from typing import Any
+from collections.abc import Iterable, Iterator, Mapping
+from typing import Any, cast
 
-from ...envelopes.closed_form import CurvePoint
+import numpy as np
+
 from ...envelopes.intervals import Interval
 from ...errors import ArgumentError
 from ...fragility.fitted_curve import Fit
+from ...motions.grid import Grid
+from ...motions.motion import Motion
 from ...responses.time_history import TimeHistory
 from ...responses.verdict import Verdict
 from ...spectra.file.reader import SpectraFile
 from ...spectra.results import Spectrum
+from ...spectra.scene import PulseScene
 from ..rows import Rows
-from .spectrum_cells import cells_of
 
 _EXPECTED = (
     "a path, several paths, or a result of time_history, spectrum, check, envelope,"
@@ -22,15 +25,58 @@ _EXPECTED = (
 )
 
 
+class _Cells:
+    """A spectrum in memory with the attributes of `SpectraFile` that figures read."""
+
+    path = "the spectrum"
+
+    def __init__(self, found: Spectrum) -> None:
+        scene = found.scene
+        assert isinstance(scene, PulseScene)
+        self._scene, self.structures = scene, scene.structures
+        self.frame = scene.frame()
+        self.scene = {**scene.stated(), "model": scene.method.model}
+        self._arrays = {
+            "theta_ratio": found.theta_ratio,
+            "outcome": found.outcome,
+            **found.quantities,
+        }
+
+    @property
+    def grid(self) -> Grid:
+        """The grid of a scene of a pulse."""
+        return self._scene.grid
+
+    def motion(self) -> Motion:
+        """Return the ground motion of a scene of a pulse."""
+        return self._scene.motion
+
+    def block(
+        self, place: int, rows: slice, columns: slice = slice(None)
+    ) -> dict[str, np.ndarray]:
+        """Return the variables over a part of the cells of one structure."""
+        return {name: cells[place, rows, columns] for name, cells in self.items()}
+
+    def array(self, name: str) -> np.ndarray:
+        """Return one variable over all cells."""
+        return self._arrays[name].copy()
+
+    def items(self) -> Iterable[tuple[str, np.ndarray]]:
+        """Return the variables by name."""
+        return self._arrays.items()
+
+
 def memory_file(source: Any) -> SpectraFile | None:
     """Return a spectrum in memory as a file of it; None for another thing."""
-    return cells_of(source) if isinstance(source, Spectrum) else None
+    return cast(SpectraFile, _Cells(source)) if isinstance(source, Spectrum) else None
 
 
 def memory_rows(source: Any) -> Rows:
     """Return the rows of a result, or of several of one kind, as texts. Raises
     ArgumentError for another thing.
     """
+    from ...envelopes.closed_form import CurvePoint
+
     several = list(source) if isinstance(source, list | tuple) else [source]
     if isinstance(source, CurvePoint | Interval):
         several = [source]
@@ -47,6 +93,8 @@ def memory_rows(source: Any) -> Rows:
 
 def _rows(one: Any) -> Iterator[Mapping[str, Any]]:
     """Yield the rows of one result."""
+    from ...envelopes.closed_form import CurvePoint
+
     if isinstance(one, Mapping):
         yield one
     elif isinstance(one, TimeHistory):
