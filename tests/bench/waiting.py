@@ -203,6 +203,8 @@ def main() -> None:
     options.add_argument("words", nargs="*")
     chosen = options.parse_args()
     base = None if chosen.base is None else chosen.base.resolve()
+    if base is not None and not (base / "rocking_cli").is_dir():
+        options.error(f"--base: found no folder rocking_cli in {base}")
 
     def wanted(row: str) -> bool:
         return not chosen.words or any(word in row for word in chosen.words)
