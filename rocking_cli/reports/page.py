@@ -10,6 +10,7 @@ import platform
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from datetime import date
+from functools import partial
 from importlib.metadata import version
 from importlib.resources import files
 from operator import attrgetter
@@ -26,6 +27,7 @@ from ..motions.grid import Grid, HasMotion, demand_in_words, demand_of
 from ..motions.recording import Recording
 from ..motions.records import Record
 from ..plugins import require
+from ..processes import available_cpus, processes
 from ..publishing import check_target, published
 from ..responses.check import Demand, Progress, outcome_alone, verdicts
 from ..responses.verdict import Verdict, tally
@@ -129,22 +131,45 @@ def page(
         overview=_overview(cases) if summary else [],
         verdicts=_details(verdicts, checks, asked.columns),
         capacities=image(lambda figure: capacities(figure, verdicts, True)),
-        structures=[
-            section(
-                s,
-                cases[s.structure.name],
-                recordings,
-                workers,
-                asked.draws,
-                asked.fragility,
-            )
-            for s in subjects
-        ],
+        structures=_sections(
+            [(s, cases[s.structure.name]) for s in subjects],
+            recordings,
+            workers,
+            asked,
+        ),
         command=asked.command,
         made=asked.made,
         versions=_versions(),
         hashes=_hashes(subjects, recordings, vertical),
     )
+
+
+def _sections(
+    subjects: Sequence[tuple[Subject, Cases]],
+    recordings: Sequence[Recording],
+    workers: int | None,
+    asked: Asked,
+) -> list[dict[str, Any]]:
+    """Return the template's values for each structure. Processes share the structures,
+    or the cells of each under records, whose curves take most of the time.
+    """
+    curves = recordings and asked.fragility
+    several = 1 if curves else min(workers or available_cpus(), len(subjects))
+    task = partial(_section, recordings, asked, 1 if several > 1 else workers)
+    if several == 1:
+        return list(map(task, subjects))
+    with processes(several, task, "fewer `workers` need less") as run:
+        return list(run(subjects))
+
+
+def _section(
+    recordings: Sequence[Recording],
+    asked: Asked,
+    workers: int | None,
+    one: tuple[Subject, Cases],
+) -> dict[str, Any]:
+    """Return the template's values for one structure."""
+    return section(*one, recordings, workers, asked.draws, asked.fragility)
 
 
 def _overview(cases: Mapping[str, Cases]) -> list[dict[str, Any]]:

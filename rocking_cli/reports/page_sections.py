@@ -6,7 +6,6 @@ import base64
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
@@ -33,21 +32,24 @@ from ..responses.shares import ShareOfDraws
 from ..responses.tied_history import remarks as device_remarks
 from ..responses.uncertainty import drawn_verdict, share_curve
 from ..responses.verdict import Verdict
-from ..spectra.file.reader import SpectraFile
-from ..spectra.sweep import SweepOptions, write_spectrum
+from ..spectra.results import Spectrum
+from ..spectra.sweep import SweepOptions, spectrum
 from ..structures import RockingParameters
 from ..structures.kinds import sketch_of
-from .figures.canvas import FIGURE_UNITS, Figure, Look, drawn_as, literal, styled
+from .figures.canvas import FIGURE_UNITS, Figure, Look, drawn_as, place, styled
 from .figures.capacities import capacity_curve
 from .figures.drawing import structure_axes
 from .figures.fragility_curves import fragility_curves
 from .figures.maps import outcome_map
+from .figures.memory import memory_file
 from .figures.shares import shares
 from .wording import draws_in_words, parameter_rows
 
-SIDE = 80  # values on each axis of a map
+SIDE = 60  # values on each axis of a map, whose cells are printed 1 mm wide
 # amplitudes of the curve of draws, and those in a step where the share changes
 CURVE, CLOSER = 22, 6
+_MAP_DPI = 200.0  # of the cells of a map, four dots a cell and more
+_SIZE = (4.2, 3.1)  # inches, of a drawing and a map: half of the width of a page
 FEW_DRAWS = 128  # draws of that curve under a record, at most
 
 
@@ -174,7 +176,7 @@ def section(
 
 def image(plan: Callable[[Figure], object]) -> str:
     """Return a figure as a data URL."""
-    look = Look()
+    look = Look(dpi=_MAP_DPI)
     with styled(look) as figure:
         plan(figure)
         drawn, _ = drawn_as(figure, Path("figure.svg"), look)
@@ -189,8 +191,10 @@ def _drawing(subject: Subject) -> str | None:
         return None
 
     def plan(figure: Figure) -> None:
-        figure.set_size_inches(4.4, 3.6)
-        structure_axes(figure.add_subplot(), subject.structure, sketch, FIGURE_UNITS)
+        figure.set_size_inches(*_SIZE)
+        axes = figure.add_subplot()
+        structure_axes(axes, subject.structure, sketch, FIGURE_UNITS, described=False)
+        place(figure, axes, left=0.7, bottom=0.5, top=0.3)
 
     return image(plan)
 
@@ -210,24 +214,17 @@ def _map(
     )
     amplitude = mine[0].demand_a
     method = governing_method(structure, dimensionless=demand.dimensionless)
-    with TemporaryDirectory() as folder:
-        path = Path(folder) / "map.h5"
-        write_spectrum(
-            [structure],
-            motion,
-            _grid_around(omega, amplitude, mine),
-            path,
-            method=method,
-            quantities=() if method.exact else ("linear",),
-            check=0,
-            workers=workers,
-            overwrite=True,
-        )
-        with SpectraFile(path) as file:
-            drawn = image(lambda figure: _draw_map(figure, file, omega, amplitude))
-            if method == LINEAR:
-                return drawn, np.zeros(0)
-            return drawn, file.block(0, slice(None))["difference"]
+    found = spectrum(
+        [structure],
+        motion,
+        _grid_around(omega, amplitude, mine),
+        method=method,
+        quantities=() if method.exact else ("linear",),
+        check=0,
+        workers=workers,
+    )
+    drawn = image(lambda figure: _draw_map(figure, found, omega, amplitude))
+    return drawn, found.quantities.get("difference", np.zeros(0))
 
 
 def _grid_around(omega: float, amplitude: float, mine: Sequence[Verdict]) -> Grid:
@@ -243,13 +240,12 @@ def _grid_around(omega: float, amplitude: float, mine: Sequence[Verdict]) -> Gri
     )
 
 
-def _draw_map(
-    figure: Figure, file: SpectraFile, omega: float, amplitude: float
-) -> None:
-    """Draw the map of a file, and a star at the demand [rad/s, m/s2]."""
-    figure.set_size_inches(4.8, 3.9)  # half of the width of the page
-    axes = figure.add_subplot()
-    entries = outcome_map(axes, file, 0, FIGURE_UNITS)
+def _draw_map(figure: Figure, found: Spectrum, omega: float, amplitude: float) -> None:
+    """Draw the map of a spectrum, and a star at the demand [rad/s, m/s2]."""
+    figure.set_size_inches(*_SIZE)
+    axes, cells = figure.add_subplot(), memory_file(found)
+    assert cells is not None
+    entries = outcome_map(axes, cells, 0, FIGURE_UNITS)
     x = omega / FIGURE_UNITS.column("omega_g")[2]
     y = amplitude / FIGURE_UNITS.column("a_g")[2]
     entries += axes.plot(
@@ -259,10 +255,10 @@ def _draw_map(
     ticks = [x * 2.0**i for i in range(-2, 3)]
     axes.set_xticks(ticks, [f"{tick:.3g}" for tick in ticks])
     axes.set_xticks([], minor=True)
-    axes.set_title(literal(file.structures[0].name))
-    figure.legend(
-        handles=entries, loc="outside lower center", ncols=2, fontsize="x-small"
-    )
+    axes.set_title("")
+    figure.legend(handles=entries, loc="lower center", ncols=2, fontsize="small")
+    lines = -(-len(entries) // 2)
+    place(figure, axes, left=0.7, bottom=0.65 + 0.16 * lines)
 
 
 def _agreement(codes: np.ndarray, cases: str) -> str:

@@ -3,16 +3,20 @@ and of the processor, and as a ratio to those of an older commit.
 
 `PYTHONPATH=tests python tests/bench/waiting.py --base DIR [WORD...]` takes turns with
 the package in DIR; words choose the rows that contain one of them. Without `--base`
-there are no ratios.
+there are no ratios. A command that fails has its last sentence in place of its times.
+The last row compares the start of a sweep with the import of its packages.
 """
 
 import argparse
+import math
 import os
 import resource
 import subprocess
 import sys
 import tempfile
 import time
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import NamedTuple
 
@@ -44,7 +48,7 @@ ROWS = {
         "solve {configs}/block.yaml --vary width=0.4:0.8 --a-g 0.4g --f-g 1"
     ),
     "solve, yield of a tie": (
-        "solve {configs}/wall_tied.yaml --vary ties.0.yield=1kN:20kN --a-g 0.5g --f-g 1"
+        "solve {configs}/wall_tied.yaml --vary ties.0.yield=6kN:20kN --a-g 0.8g --f-g 1"
     ),
     "report of 12 statues": (
         "report statues.yaml --a-g 0.35g --f-g 1.5 -o report.html --overwrite"
@@ -52,11 +56,27 @@ ROWS = {
     "envelope of 2 bodies at 60 frequencies": (
         "envelope {configs}/block.yaml {configs}/rigid.yaml --grid f_g=0.5:5:60"
     ),
+    "fragility of 7 records with hazard": (
+        "fragility block:0.5x2 --motion seven --levels 0.1g:1.5g:12 --hazard hazard.csv"
+    ),
     "plot of 4 maps": "plot four.h5 --all -o four.png --overwrite",
+    "animation of a response": "plot response.csv --animate r.gif --overwrite",
     "spectrum of 10 x 10 cells": (
         "spectrum --eta 0.9 --grid A=0.5:12:10,Omega=0.5:12:10 -o s.h5 --overwrite"
     ),
 }
+# the commands that write the files which some rows read
+PREPARED = (
+    "spectrum {configs}/block.yaml {configs}/rigid.yaml {configs}/frame.yaml"
+    " {configs}/prism.yaml --grid a_g=0.05g:1g:40,f_g=0.5:5:40 -o four.h5",
+    "response {configs}/block.yaml --a-g 0.3g --f-g 1.5 --csv",
+)
+HAZARD = "PGA [g],annual_rate\n" + "\n".join(
+    f"{pga:g},{8e-3 * (pga / 0.1) ** -2.3:.3g}" for pga in 0.02 * 2.0 ** np.arange(7)
+)
+START = "spectrum --eta 0.9 --grid A=1:2:2,Omega=1:2:2 -o start.h5 --overwrite"
+IMPORTS = "import numpy, h5py"
+STARTS = 5  # starts of which the quickest counts
 
 
 class Waited(NamedTuple):
@@ -85,36 +105,96 @@ def documents(folder: Path) -> None:
     )
     at2_file(folder / "far.at2", *far_shock())
     at2_file(folder / "near.at2", *near_shock())
-    records = folder / "records"
-    records.mkdir()
     for n in range(22):  # the two records, at other speeds and peaks
-        samples, dt = (far_shock, near_shock)[n % 2]()
-        at2_file(
-            records / f"r{n:02d}.at2",
-            np.append(samples[n * 5 :], samples[: n * 5]) * (0.6 + 0.04 * n),
-            dt,
-        )
+        _vary((far_shock, near_shock)[n % 2](), n, folder / "records")
+    for n in range(7):
+        _vary(near_shock(), 2 * n, folder / "seven")
+    (folder / "hazard.csv").write_text(HAZARD)
+    for command in PREPARED:
+        done = ran(HERE, command, folder)
+        if done.returncode:
+            sys.exit(said_of(done))
+        if done.stdout:
+            (folder / "response.csv").write_text(done.stdout)
 
 
-def waited(package: Path, command: str, folder: Path) -> Waited:
+def _vary(record: tuple[np.ndarray, float], n: int, folder: Path) -> None:
+    """Write the n-th variant of a record, (samples, time step), into a folder."""
+    folder.mkdir(exist_ok=True)
+    samples, dt = record
+    turned = np.append(samples[n * 5 :], samples[: n * 5])
+    at2_file(folder / f"r{n:02d}.at2", turned * (0.6 + 0.04 * n), dt)
+
+
+def ran(package: Path, command: str, folder: Path) -> subprocess.CompletedProcess[str]:
     """Run a command with the package that lies in a folder."""
-    path = {**os.environ, "PYTHONPATH": str(package), "MPLBACKEND": "Agg"}
     words = command.format(configs=HERE / "configs").split()
+    return _python(package, ["-m", "rocking_cli", *words, "-q"], folder)
+
+
+def _python(
+    package: Path, words: list[str], folder: Path
+) -> subprocess.CompletedProcess[str]:
+    """Run Python with the package that lies in a folder."""
+    path = {**os.environ, "PYTHONPATH": str(package), "MPLBACKEND": "Agg"}
+    return subprocess.run(
+        [sys.executable, *words], capture_output=True, text=True, cwd=folder, env=path
+    )
+
+
+def said_of(done: subprocess.CompletedProcess[str]) -> str:
+    """Return the exit code of a command that failed and its last sentence."""
+    *_, last = ["no message", *done.stderr.strip().splitlines()]
+    return f"failed, exit {done.returncode}: {last}"
+
+
+def waited(
+    run: Callable[[], subprocess.CompletedProcess[str]],
+) -> tuple[Waited, subprocess.CompletedProcess[str]]:
+    """Return the times of a command, and the command when it has ended."""
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
     began = time.perf_counter()
-    subprocess.run(
-        [sys.executable, "-m", "rocking_cli", *words, "-q"],
-        check=True,
-        capture_output=True,
-        cwd=folder,
-        env=path,
-    )
+    done = run()
     clock = time.perf_counter() - began
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
-    return Waited(
-        clock,
-        after.ru_utime - before.ru_utime + after.ru_stime - before.ru_stime,
-    )
+    processor = after.ru_utime - before.ru_utime + after.ru_stime - before.ru_stime
+    return Waited(clock, processor), done
+
+
+def row_of(command: str, base: Path | None, folder: Path) -> str:
+    """Return the times of a command and its ratio to the base, or why it failed."""
+    here, done = waited(partial(ran, HERE, command, folder))
+    if done.returncode:
+        return said_of(done)
+    row = f"{here.clock:7.2f} s {here.processor:7.2f} s "
+    if base is None:
+        return row
+    there, done = waited(partial(ran, base, command, folder))
+    if done.returncode:
+        return f"{row} base {said_of(done)}"
+    return f"{row}{there.processor:9.2f} s {here.processor / there.processor:8.2f}"
+
+
+def start_row(base: Path | None, folder: Path) -> str:
+    """Return the processor time of the start of a sweep over that of its imports."""
+    runs = {
+        "imports": partial(_python, HERE, ["-c", IMPORTS], folder),
+        "here": partial(ran, HERE, START, folder),
+    }
+    if base is not None:
+        runs["base"] = partial(ran, base, START, folder)
+    least = dict.fromkeys(runs, math.inf)
+    for _ in range(STARTS):  # in turns
+        for name, run in runs.items():
+            took, done = waited(run)
+            if done.returncode:
+                return f"{name} {said_of(done)}"
+            least[name] = min(least[name], took.processor)
+    ratios = {name: x / least["imports"] for name, x in least.items()}
+    row = f"{ratios['here']:7.2f}"
+    if base is not None:
+        row += f", base {ratios['base']:.2f}"
+    return row
 
 
 def main() -> None:
@@ -122,28 +202,22 @@ def main() -> None:
     options.add_argument("--base", type=Path)
     options.add_argument("words", nargs="*")
     chosen = options.parse_args()
+    base = None if chosen.base is None else chosen.base.resolve()
+    if base is not None and not (base / "rocking_cli").is_dir():
+        options.error(f"--base: found no folder rocking_cli in {base}")
+
+    def wanted(row: str) -> bool:
+        return not chosen.words or any(word in row for word in chosen.words)
+
     print(f"What a person waits for{'':<24} clock  processor   base, of it this")
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         documents(folder)
-        maps = (
-            "spectrum {configs}/block.yaml {configs}/rigid.yaml {configs}/frame.yaml"
-            " {configs}/prism.yaml --grid a_g=0.05g:1g:40,f_g=0.5:5:40 -o four.h5"
-        )
-        waited(HERE, maps, folder)
-        for row, command in ROWS.items():
-            if chosen.words and not any(word in row for word in chosen.words):
-                continue
-            here = waited(HERE, command, folder)
-            ratio = ""
-            if chosen.base is not None:
-                base = waited(chosen.base.resolve(), command, folder)
-                share = here.processor / base.processor
-                ratio = f"{base.processor:9.2f} s {share:8.2f}"
-            print(
-                f"  {row:<42}{here.clock:7.2f} s {here.processor:7.2f} s {ratio}",
-                flush=True,
-            )
+        for row, command in filter(lambda item: wanted(item[0]), ROWS.items()):
+            print(f"  {row:<42}{row_of(command, base, folder)}", flush=True)
+        row = f"spectrum start / {IMPORTS}"
+        if wanted(row):
+            print(f"  {row:<42}{start_row(base, folder)}", flush=True)
 
 
 if __name__ == "__main__":

@@ -50,11 +50,16 @@ STYLE: dict[Any, Any] = {
 }
 WIDTH, PANEL = 5.6, (4.2, 3.2)  # inches
 _INCH = 0.0254  # m
+_POINTS = 72.0  # an inch: the unit of an SVG or PDF
 MOST_ACROSS, MOST_PANELS = 3, 24
 # equal figures give equal files
 _UNDATED: dict[str, dict[str, Any]] = {
     "svg": {"Date": None},
     "pdf": {"CreationDate": None},
+}
+_NO_LAYOUT: dict[Any, Any] = {
+    "figure.constrained_layout.use": False,
+    "figure.autolayout": False,
 }
 _TITLE = 72  # characters of a line of a title
 _CYCLES = re.compile(r"(.+?), ([\d.]+) cycles?(.*)")  # the name of a sine or cosine
@@ -224,6 +229,7 @@ def drawn_as(figure: Figure, target: Path, look: Look) -> tuple[bytes, str]:
     with warnings.catch_warnings(record=True) as raised:
         warnings.filterwarnings("always", message=_NO_GLYPH)
         try:
+            _arrange(figure, form, dpi)
             figure.savefig(drawn, format=form, dpi=dpi, metadata=_UNDATED.get(form))
         except (OSError, ValueError) as error:
             raise OutputError(f"{target}: cannot be drawn: {error}") from None
@@ -233,6 +239,23 @@ def drawn_as(figure: Figure, target: Path, look: Look) -> tuple[bytes, str]:
         if (found := re.match(_NO_GLYPH, str(w.message)))
     }
     return drawn.getvalue(), " ".join(sorted(missing))
+
+
+def _arrange(figure: Figure, form: str, dpi: float) -> None:
+    """Let the layout place the axes as a file of this format has them; `savefig` would
+    draw the whole figure for it, and then again.
+    """
+    import matplotlib as mpl
+    from matplotlib.backend_bases import get_registered_canvas_class
+
+    engine = figure.get_layout_engine()
+    if engine is None:
+        return
+    get_registered_canvas_class(form)(figure)  # its renderer measures the texts
+    figure.dpi = _POINTS if form in _UNDATED else dpi
+    engine.execute(figure)
+    with mpl.rc_context(_NO_LAYOUT):
+        figure.set_layout_engine(None)
 
 
 def literal(text: str) -> str:
@@ -336,6 +359,24 @@ def line_style(number: int) -> dict[str, Any]:
     arguments of `plot`.
     """
     return {"color": f"C{number}", "ls": DASHES[number % len(DASHES)]}
+
+
+def place(
+    figure: Figure,
+    axes: Axes,
+    *,
+    left: float,
+    bottom: float,
+    right: float = 0.12,
+    top: float = 0.1,
+) -> None:
+    """Give the only axes of a figure these margins [inches], in place of a layout,
+    which measures every text twice.
+    """
+    width, height = figure.get_size_inches()
+    size = (1.0 - (left + right) / width, 1.0 - (bottom + top) / height)
+    figure.set_layout_engine("none")
+    axes.set_position((left / width, bottom / height, *size))
 
 
 def panels(figure: Figure, count: int) -> list[Axes]:

@@ -15,8 +15,12 @@ from ...structures.parameters import RockingParameters, weaker_side
 from ...structures.sketch import Point, Sketch, rectangle
 from ..units import Units
 from .canvas import MOST_ACROSS, Axes, Look, canvas, literal, panels, require_axes
+from .labels import Ink, spaced
 
 _WIDTH = 4.2  # inches, of a panel
+_LETTER = 0.02  # width of a small letter over the size of the drawing
+# distance of a label from its point: over the size of the drawing, and in points
+_BESIDE, _OFFSET = 0.04, 10.0
 _ALIKE = 2.5  # ratio of the sizes of bodies that are drawn at one scale
 STONE, GROUND, INK, ACCENT = "#D9CBB8", "#EFEFEF", "#333333", "#D55E00"
 
@@ -83,12 +87,17 @@ def draw_structures(
             structure_axes(axes, one, sketch, units)
             if not one_scale:
                 _plot_scale_bar(axes, 0.4 * min(sizes), units)
-        (left, right), (low, high) = drawn[0].get_xlim(), drawn[0].get_ylim()
         across = min(len(found), MOST_ACROSS)
-        shape = min(1.4, max(0.4, (high - low) / (right - left)))
+        shape = min(1.4, max(0.4, *map(_shape, drawn)))
         figure.set_size_inches(
             _WIDTH * across, -(-len(found) // across) * (1.0 + (_WIDTH - 0.6) * shape)
         )
+
+
+def _shape(axes: Axes) -> float:
+    """Return the height of the axes over their width, in their units."""
+    (left, right), (low, high) = axes.get_xlim(), axes.get_ylim()
+    return (high - low) / (right - left)
 
 
 def _sketched(
@@ -115,31 +124,43 @@ def _sketched(
 
 
 def structure_axes(
-    axes: Axes, built: RockingParameters, sketch: Sketch, units: Units
+    axes: Axes,
+    built: RockingParameters,
+    sketch: Sketch,
+    units: Units,
+    described: bool = True,
 ) -> None:
-    """Draw one structure."""
+    """Draw one structure; described: True for its name and parameters as the title, of
+    which False leaves R alone.
+    """
     unit, metre = units.of("length")
+    ground = _ground(sketch, metre)
+    ink = _ink_of(sketch, metre).with_lines(ground)
     _fill_outlines(axes, sketch, metre)
-    _plot_lines(axes, sketch, metre)
-    _draw_arrows(axes, sketch, metre)
-    _mark_pivots(axes, sketch, metre)
-    base = min(z for outline in (*sketch.bodies, *sketch.still) for _, z in outline)
-    axes.axhline(base / metre, color=INK, lw=1.2, zorder=0.5)
+    named = _plot_lines(axes, sketch, metre)
+    named += _draw_arrows(axes, sketch, ink, metre)
+    _mark_pivots(axes, sketch, ink, metre)
+    base = min(z for _, z in ground)
+    _plot_ground(axes, ground)
     if built.one_sided:
-        _hatch_backing(axes, sketch, base / metre, metre)
-    _plot_dimensions(axes, sketch, base / metre, metre, unit)
+        _hatch_backing(axes, sketch, base, metre)
+    _plot_dimensions(axes, sketch, base, metre, unit)
     radius = ""
     # under a load that it does not carry a body turns by another angle than that of R
     if sketch.centre is not None and built.mechanism is None:
-        radius = f", $R$ = {_mass_centre(axes, built, sketch, metre):.3g} {unit}"
+        length = _mass_centre(axes, built, sketch, ink, metre)
+        radius = f"$R$ = {length:.3g} {unit}"
+    if named:
+        _name_lines(axes, named, ink)
     axes.set_aspect("equal")
     axes.margins(0.1)
     axes.grid(visible=False)
     axes.set(xlabel=f"$x$ [{unit}]", ylabel=f"$z$ [{unit}]")
-    axes.set_title(
-        f"{fill(literal(built.name), 48)}\n{_numbers(built, units)}{radius}",
-        fontsize="small",
-    )
+    title = radius
+    if described:
+        numbers = ", ".join(filter(None, (_numbers(built, units), radius)))
+        title = f"{fill(literal(built.name), 48)}\n{numbers}"
+    axes.set_title(title, fontsize="small")
 
 
 # Style of each group of outlines of a sketch, in the order in which they are drawn.
@@ -218,10 +239,11 @@ def _plot_scale_bar(axes: Axes, most: float, units: Units) -> None:
     axes.plot([right - length, right], [low, low], color=INK, lw=3.0, label="_scale")
     axes.annotate(
         f"{length:g} {unit}",
-        (right - 0.5 * length, low),
-        xytext=(0, 4),
+        (right - length, low),
+        xytext=(-4, 0),
         textcoords="offset points",
-        ha="center",
+        ha="right",
+        va="center",
         fontsize="small",
     )
 
@@ -267,10 +289,63 @@ def _plot_dimension(
     )
 
 
-def _plot_lines(axes: Axes, sketch: Sketch, metre: float) -> None:
-    """Draw other lines, such as cracks; the first of a name has it as a text."""
-    labels = [label for label, _ in sketch.lines]
-    for i, (label, course) in enumerate(sketch.lines):
+def _ground(sketch: Sketch, metre: float) -> list[Point]:
+    """Return the ground below a sketch, from left to right in the unit of the axes:
+    level, or through the feet of the bodies that stand on it at several heights.
+    """
+    whole = [_in_unit(one, metre) for one in (*sketch.bodies, *sketch.still)]
+    pivots = _in_unit((point for _, point in sketch.pivots), metre)
+    size = _size(sketch) / metre
+    near, inks = 1e-9 * size, [Ink([outline]) for outline in whole]
+    # a hinge on the outline of one body alone stands on the ground
+    alone = [
+        point
+        for point in pivots
+        if sum(one.clearance(point) < near for one in inks) == 1
+    ]
+    feet: list[list[Point]] = []
+    for outline in whole:
+        low = min(z for _, z in outline)
+        foot = sorted(point for point in outline if point[1] - low < near)
+        if len(foot) > 1 and any(Ink([], [foot]).clearance(x) < near for x in alone):
+            feet.append([foot[0], foot[-1]])
+    base = min(z for outline in whole for _, z in outline)
+    found = [point for foot in sorted(feet) for point in foot]
+    if not found or all(z - base < near for _, z in found):
+        found = [(x, base) for outline in whole for x, _ in outline]
+    left, right = min(found), max(found)
+    return [(left[0] - size, left[1]), *sorted(found), (right[0] + size, right[1])]
+
+
+def _plot_ground(axes: Axes, ground: Sequence[Point]) -> None:
+    """Draw the ground, over the whole width of the axes."""
+    levels = {z for _, z in ground}
+    if len(levels) == 1:
+        axes.axhline(levels.pop(), color=INK, lw=1.2, zorder=0.5)
+        return
+    from matplotlib.lines import Line2D
+
+    # an artist has no part in the limits of the axes
+    x, z = zip(*ground, strict=True)
+    axes.add_artist(Line2D(x, z, color=INK, lw=1.2, zorder=0.5, label="_ground"))
+
+
+def _ink_of(sketch: Sketch, metre: float) -> Ink:
+    """Return the outlines and lines of a sketch in the unit of the axes."""
+    outlines = (*sketch.bodies, *sketch.still, *sketch.moved, *sketch.hollows)
+    lines = [course for _, course in (*sketch.lines, *sketch.arrows)]
+    return Ink(
+        [_in_unit(outline, metre) for outline in outlines],
+        [_in_unit(line, metre) for line in lines],
+    )
+
+
+def _plot_lines(axes: Axes, sketch: Sketch, metre: float) -> list[tuple[str, Point]]:
+    """Draw other lines, such as cracks; return the name and the upper end of the first
+    of each name.
+    """
+    named: dict[str, Point] = {}
+    for label, course in sketch.lines:
         points = _in_unit(course, metre)
         image = label.startswith("its ")  # of a line before
         axes.plot(
@@ -280,20 +355,18 @@ def _plot_lines(axes: Axes, sketch: Sketch, metre: float) -> None:
             ls=":" if image else "-",
             label=label,
         )
-        if not image and labels.index(label) == i:
-            axes.annotate(
-                label,
-                points[-1],
-                xytext=(-4, 6),
-                textcoords="offset points",
-                ha="right",
-                color=ACCENT,
-                fontsize="small",
-            )
+        if not image and not label.startswith("_"):
+            named.setdefault(label, max(points, key=lambda point: point[::-1]))
+    return list(named.items())
 
 
-def _draw_arrows(axes: Axes, sketch: Sketch, metre: float) -> None:
-    """Draw the arrows, such as loads, each with its text at the tail."""
+def _draw_arrows(
+    axes: Axes, sketch: Sketch, ink: Ink, metre: float
+) -> list[tuple[str, Point]]:
+    """Draw the arrows, such as loads, each with its text at the tail; return the texts
+    and tails of those whose tail lies on a body.
+    """
+    covered = []
     for label, ends in sketch.arrows:
         tail, head = _in_unit(ends, metre)
         axes.plot(*zip(tail, head, strict=True), color=ACCENT, lw=1.6, label=label)
@@ -303,6 +376,9 @@ def _draw_arrows(axes: Axes, sketch: Sketch, metre: float) -> None:
             xytext=tail,
             arrowprops={"arrowstyle": "-|>", "color": ACCENT, "shrinkB": 0.0},
         )
+        if ink.covers(tail):
+            covered.append((label, tail))
+            continue
         axes.annotate(
             label,
             tail,
@@ -311,19 +387,60 @@ def _draw_arrows(axes: Axes, sketch: Sketch, metre: float) -> None:
             color=ACCENT,
             fontsize="small",
         )
+    return covered
 
 
-def _mark_pivots(axes: Axes, sketch: Sketch, metre: float) -> None:
+def _name_lines(axes: Axes, named: Sequence[tuple[str, Point]], ink: Ink) -> None:
+    """Write each name on the left of its point where it is clear of the drawing, else
+    on the right of the drawing with a line to the point.
+    """
+    size = max(axes.dataLim.width, axes.dataLim.height)
+    beside = []
+    for name, point in named:
+        if not ink.free_on_left(point, _LETTER * size * len(name)):
+            beside.append((name, point))
+            continue
+        axes.annotate(
+            name,
+            point,
+            xytext=(-4, 6),
+            textcoords="offset points",
+            ha="right",
+            color=ACCENT,
+            fontsize="small",
+        )
+    beside.sort(key=lambda one: one[1][1])
+    right = axes.dataLim.x1 + 0.05 * size
+    heights = spaced([z for _, (_, z) in beside], 0.05 * size)
+    for (name, point), height in zip(beside, heights, strict=True):
+        axes.annotate(
+            name,
+            point,
+            xytext=(right, height),
+            va="center",
+            color=ACCENT,
+            fontsize="small",
+            arrowprops={"arrowstyle": "-", "lw": 0.6, "color": ACCENT, "shrinkB": 0},
+        )
+        axes.update_datalim([(right + _LETTER * size * len(name), height)])
+
+
+def _mark_pivots(axes: Axes, sketch: Sketch, ink: Ink, metre: float) -> None:
     """Draw the pivots, and the numbers of hinges."""
+    away = _BESIDE * _size(sketch) / metre
     for name, point in sketch.pivots:
         ((x, z),) = _in_unit((point,), metre)
         axes.plot(x, z, "o", color=ACCENT, ms=4.5, label=f"_pivot {name}")
         if name.isdigit():
+            dx, dz = ink.clearest((x, z), away, math.pi / 4)
+            axes.update_datalim([(x + away * dx, z + away * dz)])
             axes.annotate(
                 name,
                 (x, z),
-                xytext=(5, 5),
+                xytext=(_OFFSET * dx, _OFFSET * dz),
                 textcoords="offset points",
+                ha="center",
+                va="center",
                 color=ACCENT,
                 fontweight="bold",
             )
@@ -347,7 +464,7 @@ def _hatch_backing(axes: Axes, sketch: Sketch, base: float, metre: float) -> Non
 
 
 def _mass_centre(
-    axes: Axes, built: RockingParameters, sketch: Sketch, metre: float
+    axes: Axes, built: RockingParameters, sketch: Sketch, ink: Ink, metre: float
 ) -> float:
     """Draw the mass centre, and R and alpha at the weaker edge, or the right one;
     return R in the unit of the axes.
@@ -372,22 +489,21 @@ def _mass_centre(
     # alpha is signed: negative towards the left
     radius = math.hypot(cx - px, cz - pz)
     alpha = math.atan2(cx - px, cz - pz)
-    arc = [alpha * i / 24 for i in range(25)]
     reach = 0.55 * radius
-    axes.plot(
-        [px + reach * math.sin(a) for a in arc],
-        [pz + reach * math.cos(a) for a in arc],
-        color=INK,
-        lw=0.9,
-        label="_alpha",
-    )
-    away = math.copysign(6, -alpha)
+    angles = [alpha * i / 24 for i in range(25)]
+    arc = [(px + reach * math.sin(a), pz + reach * math.cos(a)) for a in angles]
+    axes.plot(*zip(*arc, strict=True), color=INK, lw=0.9, label="_alpha")
+    size = _size(sketch) / metre
+    outwards = 0.0 if alpha < 0.0 else math.pi
+    ink = ink.with_lines([(cx, cz), (px, pz), (px, cz)], arc)
+    dx, dz = ink.clearest((px, pz + reach), _BESIDE * size, outwards)
     axes.annotate(
         r"$\alpha$",
         (px, pz + reach),
-        xytext=(away, 0),
+        xytext=(_OFFSET * dx, _OFFSET * dz),
         textcoords="offset points",
-        ha="left" if away > 0 else "right",
+        ha="center",
+        va="center",
     )
     return radius
 

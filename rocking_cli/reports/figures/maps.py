@@ -126,8 +126,10 @@ def _closed_form(axes: Axes, file: SpectraFile, place: int, units: Units) -> Non
     with closed forms.
     """
     s, grid = file.structures[place], file.grid
+    if file.scene["model"] != LINEAR.model or not s.plain:
+        return
     pulse_name = _pulse_of(file)
-    if pulse_name is None or file.scene["model"] != LINEAR.model or not s.plain:
+    if pulse_name is None:
         return
     low, high = grid.frequency.values[[0, -1]] / (1.0 if grid.dimensionless else s.p)
     curves = _curves(float(low), float(high), s.eta, pulse_name)

@@ -7,7 +7,6 @@ from typing import Any, cast
 
 import numpy as np
 
-from ...envelopes.closed_form import CurvePoint
 from ...envelopes.intervals import Interval
 from ...errors import ArgumentError
 from ...fragility.fitted_curve import Fit
@@ -76,6 +75,8 @@ def memory_rows(source: Any) -> Rows:
     """Return the rows of a result, or of several of one kind, as texts. Raises
     ArgumentError for another thing.
     """
+    from ...envelopes.closed_form import CurvePoint
+
     several = list(source) if isinstance(source, list | tuple) else [source]
     if isinstance(source, CurvePoint | Interval):
         several = [source]
@@ -92,6 +93,8 @@ def memory_rows(source: Any) -> Rows:
 
 def _rows(one: Any) -> Iterator[Mapping[str, Any]]:
     """Yield the rows of one result."""
+    from ...envelopes.closed_form import CurvePoint
+
     if isinstance(one, Mapping):
         yield one
     elif isinstance(one, TimeHistory):

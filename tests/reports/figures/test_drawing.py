@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from rocking_cli import DocumentError, draw_structures, parse_documents, read_documents
+from rocking_cli.reports.figures.labels import Ink, spaced
 from rocking_cli.reports.units import parse_units
 
 
@@ -145,3 +146,55 @@ def test_a_long_name_stands_on_lines_of_its_panel(figures, tmp_path):
     (axes,) = figures[-1].axes
     *lines, _, _ = axes.get_title().splitlines()
     assert (" ".join(lines), max(map(len, lines)) <= 48) == (name, True)
+
+
+@pytest.mark.parametrize(
+    ("name", "labels"), [("wall_between_floors", ["held"]), ("wall_tied", ["tie"])]
+)
+def test_the_name_of_a_line_stands_beside_the_body_with_a_line_to_it(
+    structures_drawn, name, labels
+):
+    (axes,) = structures_drawn(name)
+    bodies = [p for p in axes.patches if p.get_label() in ("_rocks", "_moved")]
+    right = max(corner for body in bodies for corner in body.get_xy()[:, 0])
+    beside = [text for text in axes.texts if text.get_text() in labels]
+    assert len(beside) == len(labels)
+    for text in beside:
+        assert right < text.get_position()[0] < axes.get_xlim()[1]
+        assert text.arrow_patch is not None
+
+
+def test_names_keep_their_distance_and_a_crack_needs_no_line(structures_drawn):
+    assert spaced([0.0, 0.1, 0.1, 1.0], 0.25) == [0.0, 0.25, 0.5, 1.0]
+    (axes,) = structures_drawn("spire_cracked")
+    (crack,) = [text for text in axes.texts if text.get_text() == "crack"]
+    assert (crack.xy, crack.arrow_patch) == (pytest.approx((-0.15, 10.8)), None)
+
+
+def test_a_label_leaves_the_lines_beside_its_point():
+    corner = Ink([], [[(0, 0), (0, 9)], [(0, 0), (9, 0)]])
+    assert corner.clearance((3.0, 4.0)) == 3.0
+    x, z = corner.clearest((0, 0), 1.0, 0.5 * math.pi)
+    assert (abs(x), z) == pytest.approx((math.sqrt(0.5), math.sqrt(0.5)))
+    narrow = Ink(
+        [], [[(0.5, -9), (0.5, 9)], [(-0.5, -9), (-0.5, 9)], [(-9, 0), (9, 0)]]
+    )
+    assert abs(narrow.clearest((0, 0), 1.0, 0.0)[0]) > 1.0  # beyond both walls
+    assert Ink([[(0, 0), (2, 0), (2, 2), (0, 2)]]).covers((1.0, 1.5))
+
+
+def test_a_portal_on_a_slope_stands_on_the_ground_with_both_feet(structures_drawn):
+    (axes,) = structures_drawn("mechanism_portal")
+    (ground,) = labelled(axes, "_ground")
+    feet = ground[1:-1]
+    expected = [(0.0, 0.0), (0.7, 0.0), (3.0, -0.6), (3.6, -0.6)]
+    assert feet == pytest.approx(np.array(expected), abs=1e-12)
+    for name in ("block", "arch"):
+        (level,) = structures_drawn(name)
+        assert labelled(level, "_ground") == []
+
+
+def test_a_flat_body_in_front_does_not_flatten_the_others(structures_drawn):
+    axes = structures_drawn("arch", "wall")
+    width, height = axes[0].figure.get_size_inches()
+    assert height > 0.7 * width  # two panels across
