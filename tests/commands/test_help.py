@@ -88,7 +88,7 @@ def example(rocking, command):
 
 
 SHORTER = [
-    (r"(:[\d.]+g?:)([4-9]|\d\d+)\b", r"\g<1>3"),  # three values of a grid
+    (r"(:[\d.]+[A-Za-z]*:)([4-9]|\d\d+)\b", r"\g<1>3"),  # three values of a grid
     (r"--duration 2 ", "--duration 0.2 "),
     (r"--f-g 0\.5:5", "--f-g 0.5:0.6"),
     (r"--draws \d+", "--draws 8"),
