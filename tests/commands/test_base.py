@@ -94,8 +94,9 @@ def test_a_spectrum_of_a_body_that_slides(rocking, tmp_path):
 
 @pytest.mark.slow
 def test_the_boundary_of_friction_is_lambda(rocking):
-    call = ("solve", "block:0.5x2", "--a-g", "0.4g", "--f-g", "1", "--json")
-    row = rocking(*call, "--vary", "friction=0.24:0.26:2").record
+    demand = ("--pulse", "rectangular", "--a-g", "0.4g", "--T-g", "0.5")
+    call = ("solve", "block:0.5x2", *demand, "--json")
+    row = rocking(*call, "--vary", "friction=0.2499:0.2501:2").record
     assert row["side"] == "stands below"
     assert row["value"] == 0.249999
 
@@ -122,7 +123,7 @@ def test_a_limit_state_of_a_slide(rocking):
 
 def test_what_takes_the_base_not_to_slide_says_so(rocking):
     for call in (
-        ("envelope", SLIDER, "--grid", "f_g=1:2:2"),
+        ("envelope", SLIDER, "--grid", "f_g=1", "--a-max", "0.4g"),
         ("compare", SLIDER, "--a-g", "0.3g", "--f-g", "1"),
     ):
         assert "the base is taken not to slide" in rocking(*call).stderr

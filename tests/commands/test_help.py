@@ -86,9 +86,10 @@ def example(rocking, command):
 
 
 SHORTER = [
-    (r"(:[\d.]+g?:)([4-9]|\d\d+)\b", r"\g<1>3"),  # three values of a grid
+    (r"(:[\d.]+[A-Za-z]*:)([4-9]|\d\d+)\b", r"\g<1>3"),  # three values of a grid
     (r"--duration 2 ", "--duration 0.2 "),
     (r"--f-g 0\.5:5", "--f-g 0.5:0.6"),
+    (r"--draws \d+", "--draws 8"),
     (r"rocking fragility", "rocking fragility --bootstrap 20"),
     (
         r"(rocking (check|envelope) (?!.*--(a-max|verdict-only|closed-form)).*)",
@@ -116,13 +117,10 @@ FIRST = {"report": 1, "fragility": 2, "plot": 6, "check": 2, "solve": 1}
         *(pytest.param(name, None, marks=pytest.mark.soak) for name in FIRST),
     ],
 )
-def test_examples_and_pages_run_in_order_anywhere(
-    rocking, tmp_path, monkeypatch, name, count
-):
+def test_examples_and_pages_run_in_order_anywhere(rocking, tmp_path, name, count):
     """In an empty folder, where `configs` is found in the package, and shortened; no
     line of a table is wider than 100 columns.
     """
-    monkeypatch.setattr("rocking_cli.reports.page_sections.SIDE", 8)
     (tmp_path / "configs").unlink()
     shown = example(rocking, name) if name in COMMANDS else []
     shown += re.findall(r"^    (rocking .*)$", page(name), re.MULTILINE)

@@ -252,5 +252,6 @@ def test_a_terminal_is_renewed_while_the_main_thread_waits_for_processes(tmp_pat
     text = seen.decode()
     states = re.findall(r"\r\x1b\[K(\[[#-]{20}\] check: [^\r]*)", text)
     assert len(states) > 8
-    assert re.search(r"check: 4 checks in \d+ s\r\na row\r\n$", text)
+    # on a busy machine the line may be renewed once more before the row
+    assert re.search(r"check: 4 checks in \d+ s\r\n[^\n]*a row\r\n$", text)
     assert text.count("4 checks in") == 1

@@ -43,7 +43,7 @@ def test_two_components_in_a_direction():
             at_azimuth(wrong, 0.0)
 
 
-@pytest.mark.parametrize("degrees", [30, 120, 150])
+@pytest.mark.parametrize("degrees", [30, 150])
 def test_a_motion_in_one_direction_is_worst_there(degrees):
     """A body with one side is shaken in the opposite direction too, which may be the
     worse one.
@@ -53,7 +53,7 @@ def test_a_motion_in_one_direction_is_worst_there(degrees):
         for turn in (math.cos(math.radians(degrees)), math.sin(math.radians(degrees)))
     ]
     (angle, (_, motion, grid)), (other, _) = worst_azimuths(
-        [BODY, ONE_SIDED], pair, AZIMUTHS
+        [BODY, ONE_SIDED], pair, AZIMUTHS, workers=1
     )
     assert math.degrees(angle) == pytest.approx(degrees)
     assert float(grid.amplitude.values[0]) == pytest.approx(3.4, rel=1e-9)
@@ -80,7 +80,7 @@ def test_the_worst_is_that_of_every_direction_checked_by_itself():
         2.6 * np.sin(0.7 * np.arange(120.0)) * np.sin(np.pi * np.arange(120.0) / 119.0)
     )
     ((found, (_, motion, grid)),) = worst_azimuths(
-        [BODY], [component(SAMPLES), component(second)], AZIMUTHS
+        [BODY], [component(SAMPLES), component(second)], AZIMUTHS, workers=1
     )
     turned = {
         a: record_motion(component(math.cos(a) * SAMPLES + math.sin(a) * second).record)

@@ -65,7 +65,6 @@ def share_of_falls(structures, motion, grid=None):
     ("text", "grid", "exact"),
     [
         ("block:0.62+-0.01x2", "a_g=0.4g,f_g=1", 0.62248696),
-        ("block:0.64+-0.01x2", "a_g=0.4g,f_g=1", 0.045707438),
         ("block:0.5x2,restitution=0.85..0.95", "a_g=0.4g,f_g=1.5", 0.773395),
     ],
 )
@@ -121,10 +120,10 @@ def test_first_overturning_and_the_indices_of_both_keys():
     ],
 )
 def test_a_draw_has_the_verdict_that_it_has_alone(text):
-    structures, _ = drawn(text, 4)
+    structures, _ = drawn(text, 2)
     motion, grid = rk.sine(), rk.parse_grid("a_g=0.42g,f_g=1.5")
     codes = outcomes_at(structures, motion, grid)
-    first = first_overturning_of(structures, motion, grid, [20.0] * 4)
+    first = first_overturning_of(structures, motion, grid, [20.0] * 2)
     for structure, code, amplitude in zip(structures, codes, first, strict=True):
         alone = rk.check(structure, motion, grid)
         assert code == alone.outcome
@@ -132,7 +131,7 @@ def test_a_draw_has_the_verdict_that_it_has_alone(text):
 
 
 def test_a_draw_that_leaves_the_ground_falls_by_the_linear_equation_too():
-    structures, _ = drawn("block:0.5+-0.05x0.6,restitution=0.6..0.9", 16)
+    structures, _ = drawn("block:0.5+-0.05x0.6,restitution=0.6..0.9", 8)
     grid = rk.parse_grid("A=3,Omega=6")
     codes = outcomes_at(structures, rk.sine(), grid)
     assert rk.Outcome.LOST_CONTACT in codes

@@ -3,12 +3,15 @@ what they refuse.
 """
 
 import json
+import re
 
 import pytest
 import yaml
 from support.json_schema import CHECKS, faults
 
-from rocking_cli import DocumentError, build_structure, parse_documents
+from rocking_cli import DocumentError, build_structure
+from rocking_cli import parse_documents as documents
+from rocking_cli.documents.asking import AskedDocument, Questions, plain_of
 from rocking_cli.structures.kinds import KINDS
 from rocking_cli.structures.schema import made_text, schema_text
 
@@ -18,23 +21,126 @@ def schema():
     return json.loads(schema_text())
 
 
-@pytest.mark.slow
+@pytest.mark.soak
 def test_the_schema_that_is_shipped_is_that_of_the_readers(pytestconfig):
     shipped = pytestconfig.rootpath / "rocking_cli/structures/schema.json"
     made = made_text()
     assert shipped.read_text(encoding="utf-8") == made, "make schema writes it again"
 
 
+AGAIN = "make schema writes the schema again"
+
+
+def parts_of(schema, root):
+    """A schema and those that it refers to for the same value."""
+    yield schema
+    inner = [*schema.get("allOf", ()), *schema.get("anyOf", ())]
+    if "$ref" in schema:
+        inner.append(root["definitions"][schema["$ref"].rpartition("/")[2]])
+    for one in inner:
+        yield from parts_of(one, root)
+
+
+def schemas_at(schema, root, path):
+    """The schemas of the values at a path such as `pieces.*.width`."""
+    found = list(parts_of(schema, root))
+    for name in path.split("."):
+        if name == "*":
+            inside = [one.get(key) for one in found for key in EVERY]
+        else:
+            inside = [one.get("properties", {}).get(name) for one in found]
+        found = [x for one in inside if one for x in parts_of(one, root)]
+    return found
+
+
+EVERY = ("items", "additionalProperties")  # the schema of each value in a list, a map
+LIMITS = (("inimum", "least", "open_low"), ("aximum", "most", "open_high"))
+
+
+def test_what_the_readers_ask_of_a_document_stands_in_the_schema(schema, pytestconfig):
+    """Keys, forms, words and limits, of the shipped documents and those below."""
+    texts = [x.read_text(encoding="utf-8") for x in shipped_files(pytestconfig)]
+    asked: dict[str, Questions] = {}
+    for document in (x for text in (*texts, GOOD, MECHANISM) for x in documents(text)):
+        plain = {key: plain_of(value) for key, value in document.values.items()}
+        log = asked.setdefault(plain["kind"], Questions())
+        build_structure(AskedDocument.of(plain, log))
+    assert asked.keys() == {*KINDS}
+    for kind, log in asked.items():
+        for path in log.known.keys() - {"kind"}:
+            found = schemas_at(schema["definitions"][kind], schema, path)
+            assert found or asks_nothing(schema, kind, path), (kind, path, AGAIN)
+            questions = log.asked.get(path, [])
+            whole = [one for one in questions if one.form == "integer"]
+            for question in whole or questions:
+                assert tells(found, question, schema), (kind, path, question, AGAIN)
+
+
+def asks_nothing(schema, kind, path):
+    """True if a key may stand there, whatever its value."""
+    inside, _, key = path.rpartition(".")
+    at = schema["definitions"][kind]
+    outer = schemas_at(at, schema, inside) if inside else parts_of(at, schema)
+    mappings = [one for one in outer if "object" in one.get("type", ())]
+    return any(
+        key in one.get("properties", {}) or one.get("additionalProperties", True)
+        for one in mappings
+    )
+
+
+def tells(found, asked, root):
+    """True if the schemas of a value say what a reader asks of it, and limit it as the
+    reader does.
+    """
+    if asked.form == "choice":
+        return any({*asked.words} <= {*one.get("enum", ())} for one in found)
+    if asked.form == "flag":
+        return any("boolean" in one.get("type", ()) for one in found)
+    if asked.form in ("part", "named"):
+        return any("object" in one.get("type", ()) for one in found)
+    if asked.form in ("parts", "pair", "pairs", "names"):
+        return any("array" in one.get("type", ()) for one in found)
+    if asked.form == "integer":
+        return any(one.get("minimum") == asked.least for one in found)
+    if asked.form != "quantity":
+        return True  # a word, or the name of a part: any text
+    pattern = root["definitions"][asked.dimension]["pattern"].removeprefix("^(")
+    for word, end, open_end in LIMITS:
+        for key, is_open in ((f"m{word}", False), (f"exclusiveM{word}", True)):
+            limits = {one[key] for one in found if key in one}
+            if limits - {getattr(asked, end)} or (
+                limits and is_open != getattr(asked, open_end)
+            ):
+                return False
+    return any(one.get("pattern", "").endswith(pattern) for one in found)
+
+
+def test_the_descriptions_are_the_comments_of_the_shipped_documents(
+    schema, pytestconfig
+):
+    for kind in KINDS:
+        text = (pytestconfig.rootpath / f"configs/{kind}.yaml").read_text("utf-8")
+        commented = dict(re.findall(r"^([a-z_]+):[^#\n]*# *(.+?)[ ,]*$", text, re.M))
+        keys = schema["definitions"][kind]["properties"]
+        for key in commented.keys() & keys.keys() - {"kind"}:
+            assert keys[key].get("description") == commented[key], (kind, key, AGAIN)
+
+
+def shipped_files(pytestconfig):
+    """The shipped documents."""
+    return sorted((pytestconfig.rootpath / "configs").glob("*.yaml"))
+
+
 def test_every_shipped_document_is_valid_and_so_is_what_params_prints(
     schema, pytestconfig
 ):
-    files = sorted((pytestconfig.rootpath / "configs").glob("*.yaml"))
+    files = shipped_files(pytestconfig)
     assert len(files) >= len(KINDS)
     for file in files:
         text = file.read_text(encoding="utf-8")
         for plain in yaml.safe_load_all(text):
             assert list(faults(schema, plain)) == [], file.name
-        for document in parse_documents(text):
+        for document in documents(text):
             row = json.loads(json.dumps(build_structure(document).row()))
             assert list(faults(schema, row)) == [], file.name
 
@@ -101,7 +207,7 @@ axis: 0.15
 def test_documents_that_state_other_keys_are_valid(schema):
     for plain in yaml.safe_load_all(GOOD):
         assert list(faults(schema, plain)) == []
-    for document in parse_documents(GOOD):
+    for document in documents(GOOD):
         build_structure(document)
 
 
@@ -178,7 +284,7 @@ def loads(text):
 def test_a_bad_document_is_refused_by_both(schema, text, fault):
     assert fault in list(faults(schema, yaml.safe_load(text)))
     with pytest.raises(DocumentError):
-        build_structure(parse_documents(text)[0])
+        build_structure(documents(text)[0])
 
 
 MECHANISM = """
@@ -212,14 +318,14 @@ other_side: mirrored
 )
 def test_a_bad_mechanism_is_refused_by_both(schema, old, new, fault):
     assert list(faults(schema, yaml.safe_load(MECHANISM))) == []
-    build_structure(parse_documents(MECHANISM)[0])
+    build_structure(documents(MECHANISM)[0])
     assert old in MECHANISM
     text = MECHANISM.replace(old, new)
     if new == "[{":
         text = text.replace("1800}}", "1800}]")
     assert fault in list(faults(schema, yaml.safe_load(text)))
     with pytest.raises(DocumentError):
-        build_structure(parse_documents(text)[0])
+        build_structure(documents(text)[0])
 
 
 def test_it_uses_only_keywords_that_the_check_knows(schema):

@@ -1,14 +1,18 @@
 """The table of systems and motions for which `test_conformance.py` states what must
 hold, with the answer of an integration that shares no code.
 
-A new equation, contact or device gets its tests by one row of SYSTEMS.
+A new equation, contact or device gets its tests by one row of SYSTEMS. Its answers by
+the integration are computed each time until `PYTHONPATH=tests python
+tests/test_conformance.py` has stored them; the soak computes all of them again.
 """
 
+import json
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import cache
 from itertools import pairwise
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -36,6 +40,7 @@ from rocking_cli.motions.biaxial import with_vertical
 from rocking_cli.motions.polyline import Polyline
 
 Document = dict[str, Any]  # all numbers in SI units, without a unit
+Answer = tuple[str, float]  # flag of the outcome, largest |theta|/alpha; NaN: none
 
 # a low restitution, so that the bounces of a tied body end soon
 TIED = {"kind": "block", "width": 0.9, "height": 3, "mass": 2000, "restitution": 0.6}
@@ -377,7 +382,28 @@ def body_of(swept: Sweep) -> Body:
     return Body(right, None if s.one_sided else left, s.damping, not linear, s.gravity)
 
 
-def integrated(swept: Sweep, i: int) -> tuple[str, float]:
+# the answers of the integration by system, motion and amplitude [m/s2]
+ANSWERS = Path(__file__).parents[1] / "oracles" / "answers.json"
+
+
+@cache
+def stored() -> dict[str, dict[str, dict[str, list[Any]]]]:
+    """The answers that are stored, null for NaN."""
+    return json.loads(ANSWERS.read_text(encoding="utf-8"))
+
+
+def answer(system: str, motion: str, i: int) -> Answer:
+    """The answer of the integration to an amplitude of a sweep: the one that is stored
+    for this amplitude, to 12 digits, or a new one.
+    """
+    found = sweep(system, motion)
+    kept = stored().get(system, {}).get(motion, {}).get(f"{found.a_g[i]:.12g}")
+    if kept is None:
+        return integrated(found, i)
+    return kept[0], math.nan if kept[1] is None else kept[1]
+
+
+def integrated(swept: Sweep, i: int) -> Answer:
     """(flag of the outcome, largest |theta|/alpha) of an amplitude by the integration;
     a body that does not overturn and whose Fz vanishes has lost contact.
     """
@@ -441,3 +467,16 @@ def _tied(body: TiedBody, fresh: list[Device], ground: Shaking) -> tuple[str, fl
     if not fell and body.lowest_fz(ground) <= 0.0:
         return Outcome.LOST_CONTACT.flag, math.nan
     return ("overturned", math.nan) if fell else ("rocked", largest)
+
+
+def store(pairs: Iterable[tuple[str, str]]) -> None:
+    """Store the answers of the integration to what the tests ask of these pairs."""
+    found: dict[str, dict[str, dict[str, list[Any]]]] = {}
+    for system, motion in pairs:
+        along = sweep(system, motion)
+        kept = found.setdefault(system, {}).setdefault(motion, {})
+        for i in along.picked(False):
+            flag, ratio = integrated(along, i)
+            kept[f"{along.a_g[i]:.12g}"] = [flag, None if math.isnan(ratio) else ratio]
+    text = json.dumps(found, indent=1)
+    ANSWERS.write_text(text + "\n", encoding="utf-8")

@@ -10,6 +10,7 @@ above it rocks; a mirrored crack opens in the other direction. The paper gives E
 
 import itertools
 import math
+from functools import cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -117,11 +118,17 @@ def _gauss_points(start: float, stop: float) -> tuple[np.ndarray, np.ndarray]:
     """Return the points z in an interval, and their weights, of the rule in theta that
     `Cone.above` describes.
     """
-    nodes, weights = np.polynomial.legendre.leggauss(_NODES)
+    nodes, weights = _rule()
     theta = 0.5 * math.pi * (nodes + 1.0)
     half = 0.5 * (stop - start)
     z = 0.5 * (start + stop) - half * np.cos(theta)
     return z, 0.5 * math.pi * weights * half * np.sin(theta)
+
+
+@cache
+def _rule() -> tuple[np.ndarray, np.ndarray]:
+    """Return nodes and weights of Gauss and Legendre, on (-1, 1)."""
+    return np.polynomial.legendre.leggauss(_NODES)
 
 
 class Spire(NamedTuple):
