@@ -31,6 +31,7 @@ _SHORTEST = 1e-12  # least step, over the length of the stretch
 # a motion from rest back to the ground that is shorter, over the stretch, is ignored
 _HOP = 1e-6
 _NEAR = 1e-9  # error of the time to a root
+_GUESS = 20  # halvings of the interval of a first guess of a root
 _ROUNDS = 100  # limit of a search for a root; bisection alone takes 60
 
 
@@ -185,7 +186,13 @@ def passes(
     to `_NEAR`; the caller adds a tangent step.
     """
     low, high = 0.0, end.time - start.time
-    length, there = high, end
+    length = high * _cubic_root(
+        sense * (start[which] - level),
+        sense * rate(*start)[which - 1] * high,
+        sense * (end[which] - level),
+        sense * rate(*end)[which - 1] * high,
+    )
+    there = step(rate, start, length, unit) or end
     for _ in range(_ROUNDS):
         value = sense * (there[which] - level)
         slope = sense * rate(*there)[which - 1]
@@ -197,6 +204,22 @@ def passes(
         length = target
         there = step(rate, start, length, unit) or there
     return there
+
+
+def _cubic_root(first: float, slope: float, last: float, end_slope: float) -> float:
+    """Return where a cubic falls through zero on [0, 1], from its values and slopes at
+    both ends, to 1e-6; 1 where it does not.
+    """
+    bend = 3.0 * (last - first) - 2.0 * slope - end_slope
+    twist = 2.0 * (first - last) + slope + end_slope
+    low, high = 0.0, 1.0
+    for _ in range(_GUESS):
+        x = 0.5 * (low + high)
+        if first + x * (slope + x * (bend + x * twist)) > 0.0:
+            low = x
+        else:
+            high = x
+    return high
 
 
 @dataclass(frozen=True)
