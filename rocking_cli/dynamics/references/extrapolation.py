@@ -16,18 +16,22 @@ Rate = Callable[[float, float, float], tuple[float, float]]
 _PARTS = (2, 4, 6, 8, 10, 12, 14, 16)
 # difference of the last two extrapolations over the state; the error of the last one is
 # (length/2)^2 times as large
-_TOLERANCE = 1e-11
-# difference that is always accepted: a force that hardly lifts a body is a difference
-# of terms of order one
+_TOLERANCE = 1e-12
+# difference that is always accepted, over the critical angle: a force that hardly lifts
+# a body is a difference of terms of the order of this angle
 _LEAST = 1e-15
-# least number of steps of a stretch; signs are compared at the ends of steps
-_PIECES = 5
+# number of extrapolations that are compared at the least
+_ROWS = 3
+# a step with a dip of the velocity inside is halved down to this length, over the
+# stretch
+_DIP = 1.0 / 64.0
 # first step from an impact over speed/force: four times as long as the bounce
 _BOUNCES = 8.0
 _SHORTEST = 1e-12  # least step, over the length of the stretch
 # a motion from rest back to the ground that is shorter, over the stretch, is ignored
 _HOP = 1e-6
 _NEAR = 1e-9  # error of the time to a root
+_GUESS = 20  # halvings of the interval of a first guess of a root
 _ROUNDS = 100  # limit of a search for a root; bisection alone takes 60
 
 
@@ -48,15 +52,22 @@ class Path(NamedTuple):
     steps: list[StatePoint]  # the ends of all steps
 
 
-def step(rate: Rate, start: StatePoint, length: float) -> StatePoint | None:
+def step(
+    rate: Rate,
+    start: StatePoint,
+    length: float,
+    unit: float = 1.0,
+    first: tuple[float, float] | None = None,
+) -> StatePoint | None:
     """The state `length` after `start`; None if the step is too long for the
-    extrapolations to agree.
+    extrapolations to agree. unit: the critical angle [rad]; first: the rates at the
+    start, where they are known.
     """
     time, theta, w = start
     last: list[tuple[float, float]] = []  # the row before in the table
     # A midpoint may leave the range of doubles, or of the equation.
     with suppress(ArithmeticError, ValueError):
-        first = rate(time, theta, w)
+        first = first or rate(time, theta, w)
         for k, parts in enumerate(_PARTS):
             # The rule itself, then extrapolated once, twice, ...
             row = [_midpoint_rule(rate, start, first, length, parts)]
@@ -68,9 +79,9 @@ def step(rate: Rate, start: StatePoint, length: float) -> StatePoint | None:
                         row[j][1] + (row[j][1] - last[j][1]) / over,
                     )
                 )
-            if k > 2 and all(
+            if k + 1 >= _ROWS and all(
                 abs(a - b)
-                <= max(_LEAST, _TOLERANCE * max(abs(a), abs(c), abs(length * d)))
+                <= max(_LEAST * unit, _TOLERANCE * max(abs(a), abs(c), abs(length * d)))
                 for a, b, c, d in zip(row[-1], row[-2], (theta, w), first, strict=True)
             ):
                 return StatePoint(time + length, *row[-1])
@@ -102,23 +113,27 @@ def _midpoint_rule(
     )
 
 
-def path(rate: Rate, start: StatePoint, stop: float, limit: float) -> Path:
+def path(
+    rate: Rate, start: StatePoint, stop: float, limit: float, unit: float = 1.0
+) -> Path:
     """The path from an instant on or above the ground until `stop`, an impact, or an
     angle beyond `limit`. It finds at most one peak in a step, or one dip, which may
-    reach the ground although both ends of the step lie above it. Raises ArithmeticError
-    when no step is short enough.
+    reach the ground although both ends of the step lie above it. The stretch is one
+    step where the extrapolations agree. unit: the critical angle [rad]. Raises
+    ArithmeticError when no step is short enough.
     """
     peaks: list[StatePoint] = []
     stretch, passed = stop - start.time, 0.0
-    longest, here, steps = stretch / _PIECES, start, [start]
-    force = rate(*start)[1]
+    longest, here, steps = stretch, start, [start]
+    rates = rate(*start)
+    force = rates[1]
     bounces = start.theta == 0.0 < start.w and force < 0.0
     # a bounce must not hide within a step
     length = min(longest, -_BOUNCES * start.w / force) if bounces else longest
     while passed < stretch and here.theta <= limit:
         if stretch - passed < 1.001 * length:
             length = stretch - passed
-        there = step(rate, here, length)
+        there = step(rate, here, length, unit, rates)
         # A step from rest that ends without outward speed: the body may have gone up
         # and down again inside it.
         hop = (
@@ -126,7 +141,16 @@ def path(rate: Rate, start: StatePoint, stop: float, limit: float) -> Path:
             and here.theta == here.w == 0.0 >= there.w
             and length > _HOP * stretch
         )
-        if there is None or hop:
+        # A velocity that first falls and then rises may be negative between the ends.
+        after = None if there is None else rate(*there)
+        dips = (
+            there is not None
+            and after is not None
+            and min(here.w, there.w) > 0.0
+            and rates[1] < 0.0 < after[1]
+            and length > _DIP * stretch
+        )
+        if there is None or after is None or hop or dips:
             length = longest = 0.5 * length
             if length < _SHORTEST * stretch:
                 raise ArithmeticError(f"no step from {here} is short enough")
@@ -134,39 +158,68 @@ def path(rate: Rate, start: StatePoint, stop: float, limit: float) -> Path:
         passed += length
         there = there._replace(time=stop if passed >= stretch else start.time + passed)
         if here.w < 0.0 < there.w and there.theta > 0.0:
-            bottom = _passes_zero(rate, here, there, 2, -1.0)
+            bottom = passes(rate, here, there, 2, unit, -1.0)
             there = bottom if bottom.theta <= 0.0 else there
         struck = there.theta <= 0.0
         if struck:
-            there = _passes_zero(rate, here, there, 1)
+            there = passes(rate, here, there, 1, unit)
         if here.w > 0.0 >= there.w:
-            peaks.append(_passes_zero(rate, here, there, 2))
+            peaks.append(passes(rate, here, there, 2, unit))
         steps.append(there)
         length = min(2.0 * length, longest)
         if struck:
             return Path(peaks, there, True, steps)
-        here = there
+        here, rates = there, after
     return Path(peaks, here, False, steps)
 
 
-def _passes_zero(
-    rate: Rate, start: StatePoint, end: StatePoint, which: int, sense: float = 1.0
+def passes(
+    rate: Rate,
+    start: StatePoint,
+    end: StatePoint,
+    which: int,
+    unit: float,
+    sense: float = 1.0,
+    level: float = 0.0,
 ) -> StatePoint:
-    """Where theta (which = 1) or w (2) falls (sense = 1) or rises (-1) through zero, to
-    `_NEAR`; the caller adds a tangent step.
+    """Where theta (which = 1) or w (2) falls (sense = 1) or rises (-1) through a level,
+    to `_NEAR`; the caller adds a tangent step.
     """
     low, high = 0.0, end.time - start.time
-    length, there = high, end
+    length = high * _cubic_root(
+        sense * (start[which] - level),
+        sense * rate(*start)[which - 1] * high,
+        sense * (end[which] - level),
+        sense * rate(*end)[which - 1] * high,
+    )
+    there = step(rate, start, length, unit) or end
     for _ in range(_ROUNDS):
-        value, slope = sense * there[which], sense * rate(*there)[which - 1]
+        value = sense * (there[which] - level)
+        slope = sense * rate(*there)[which - 1]
         low, high = (length, high) if value > 0.0 else (low, length)
         target = length - value / slope if slope < 0.0 else low
         target = target if low < target < high else 0.5 * (low + high)
         if abs(target - length) <= _NEAR * target or not low < target < high:
             break
         length = target
-        there = step(rate, start, length) or there
+        there = step(rate, start, length, unit) or there
     return there
+
+
+def _cubic_root(first: float, slope: float, last: float, end_slope: float) -> float:
+    """Return where a cubic falls through zero on [0, 1], from its values and slopes at
+    both ends, to 1e-6; 1 where it does not.
+    """
+    bend = 3.0 * (last - first) - 2.0 * slope - end_slope
+    twist = 2.0 * (first - last) + slope + end_slope
+    low, high = 0.0, 1.0
+    for _ in range(_GUESS):
+        x = 0.5 * (low + high)
+        if first + x * (slope + x * (bend + x * twist)) > 0.0:
+            low = x
+        else:
+            high = x
+    return high
 
 
 @dataclass(frozen=True)
@@ -179,9 +232,14 @@ class Script:
     tolerance: float  # tolerance that `solve_ivp` is given
 
     def __call__(
-        self, rate: Rate, start: StatePoint, stop: float, limit: float
+        self,
+        rate: Rate,
+        start: StatePoint,
+        stop: float,
+        limit: float,
+        unit: float = 1.0,
     ) -> Path:
-        """Return the same as `path`."""
+        """Return the same as `path`; SciPy's solver takes no unit."""
         from scipy.integrate import solve_ivp
 
         events: tuple[Any, ...] = (

@@ -3,10 +3,10 @@ method on the equation as the paper writes it.
 
 It shares no series, table, window, closed form or energy argument with the engine. The
 state is (theta, w), w = sqrt(M) theta', which takes the velocity term out of Eq. 3.4;
-for a rigid body M = 1. A stretch is half a radian of the fastest motion, in five steps
-or more; impacts and peaks are found where signs change (`extrapolation`). A body loses
-contact where the ground falls away from it, and a rigid body that rocks where Fz <= 0
-at instants along its steps.
+for a rigid body M = 1. A stretch is half a radian of the fastest motion; impacts and
+peaks are found where signs change (`extrapolation`). A body loses contact where the
+ground falls away from it, and a rigid body that rocks where Fz <= 0 at instants along
+its steps.
 """
 
 from __future__ import annotations
@@ -277,9 +277,8 @@ class ReferenceBody:
             stretch = _SCRIPT_STRETCH
         stop = min(end, self.time + stretch)
         limit = self.here.limit * (1.0 + 1e-9)  # surely beyond it
-        peaks, there, hits, steps = self.cut(
-            rate, self.solver(rate, start, stop, limit)
-        )
+        found = self.solver(rate, start, stop, limit, self.here.alpha)
+        peaks, there, hits, steps = self.cut(rate, found)
         self.check_contact(rate, steps)
         for peak in peaks:
             speed, force = rate(*peak)
@@ -351,7 +350,8 @@ class ReferenceBody:
             def within(
                 part: float, one: StatePoint = one, length: float = length
             ) -> float:
-                return acceleration_and_fz(step(rate, one, part * length) or one)[1]
+                at = step(rate, one, part * length, self.here.alpha) or one
+                return acceleration_and_fz(at)[1]
 
             self.contact_lost = self.contact_lost or falls_to_zero(
                 (before[1], middle[1], after[1]), within

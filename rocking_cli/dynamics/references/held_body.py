@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 from ...motions.motion import Motion
 from ...structures.restraints import Strand
-from .extrapolation import Path, Rate, StatePoint, step
+from .extrapolation import Path, Rate, StatePoint, passes
 from .general_solver import Problem, Rates, ReferenceBody
 
 if TYPE_CHECKING:
@@ -149,9 +149,9 @@ class Held:
         )
         return _FAR * alpha if self.linear else min(turned, default=0.5 * math.pi)
 
-    def cut(self, side: int, rate: Rate, found: Path) -> Path:
+    def cut(self, side: int, rate: Rate, found: Path, alpha: float) -> Path:
         """The part of a path on which no law changes: it ends where one does, or at the
-        first peak if a device yields.
+        first peak if a device yields. alpha: the critical angle of the side [rad].
         """
         devices, peaks, passed = self.devices[side], found.peaks, [found.steps[0]]
         yields = any(d.law == "yielding" for d in devices)
@@ -161,14 +161,7 @@ class Held:
                 if yields and other in peaks:
                     return Path([other], other._replace(w=0.0), False, passed)
                 continue
-            low, high, there = 0.0, other.time - one.time, other
-            for _ in range(_HALVINGS):
-                middle = 0.5 * (low + high)
-                at = step(rate, one, middle) or other
-                if all(d.holds(at.theta) >= 0.0 for d in devices):
-                    low = middle
-                else:
-                    high, there = middle, at
+            there = _end_of_law(devices, rate, one, other, alpha)
             return Path(
                 [p for p in peaks if p in passed], there, False, [*passed, there]
             )
@@ -191,6 +184,33 @@ class Held:
             for d in tendons:
                 d.law = "broken"
         return sum(d.law != "broken" for d in self.devices[side]) < whole
+
+
+def _end_of_law(
+    devices: list[_Device],
+    rate: Rate,
+    one: StatePoint,
+    other: StatePoint,
+    alpha: float,
+) -> StatePoint:
+    """The first instant between two states, with no peak between them, at which a law
+    of a device has ended.
+    """
+    # The laws depend on the rotation alone.
+    low, high = one.theta, other.theta
+    for _ in range(_HALVINGS):
+        middle = 0.5 * (low + high)
+        if all(d.holds(middle) >= 0.0 for d in devices):
+            low = middle
+        else:
+            high = middle
+    falls = 1.0 if other.theta < one.theta else -1.0
+    there = passes(rate, one, other, 1, alpha, falls, high)
+    # A tangent step to this rotation.
+    speed, force = rate(*there)
+    miss = (high - there.theta) / speed if speed else 0.0
+    time = min(max(there.time + miss, one.time), other.time)
+    return StatePoint(time, high, there.w + (time - there.time) * force)
 
 
 class _TiedBody(ReferenceBody):
@@ -224,7 +244,7 @@ class _TiedBody(ReferenceBody):
         return 1.0 + self.held.downwards(self.side, at.theta)
 
     def cut(self, rate: Rate, found: Path) -> Path:
-        return self.held.cut(self.side, rate, found)
+        return self.held.cut(self.side, rate, found, self.here.alpha)
 
     def follow(self) -> None:
         """Choose the laws of the devices where the body is now, and the drive that

@@ -61,24 +61,20 @@ def mechanism_rates(structure: RockingParameters, edge: Edge) -> Rates:
     """The rates of Eq. 3.4 on a side: theta' = w/sqrt(M), w' = -(L + push B)/sqrt(M) -
     2 zeta w, over p^2/g, with the mechanism's coefficients, time by p of the side.
     """
-    from ...structures.mechanics.kinematics import linearise
+    from .tabulated import tabulated
 
     assert edge.mechanism is not None  # called only for mechanisms
     mechanism = edge.mechanism
-    form = linearise(mechanism)
+    form, coefficients = tabulated(mechanism)
     pace = edge.p / structure.p
-    damping = structure.damping
+    pull = pace**2 / form.stiffness
+    drag = 2.0 * structure.damping * pace
 
     def rates(
         theta: float, w: float, push: float, weight: float
     ) -> tuple[float, float]:
-        c = mechanism.coefficients(theta)
-        root = math.sqrt(c.inertia)
-        return (
-            w / root,
-            -(pace**2) * float(weight * c.lift + push * c.push) / root / form.stiffness
-            - 2.0 * damping * pace * w,
-        )
+        slowness, lift, thrust = coefficients(theta)
+        return (slowness * w, -pull * (weight * lift + push * thrust) - drag * w)
 
     end = min(0.5 * math.pi, mechanism.reach)
     return Rates(form.alpha, form.uplift, end, rates, returns=False)

@@ -34,7 +34,7 @@ def test_peak_and_impact_of_a_free_arc(v, stretch):
     """
     rise = math.atanh(v)
     near = (
-        1e-14 + 1e-10 * (stretch * rise / 10.0) ** 2
+        1e-14 + 1e-10 * (stretch * rise / 2.0) ** 2
     )  # ten times what a step is trusted to: they grow
     found = path(free, StatePoint(0.0, 0.0, v), stretch * rise, math.inf)
     assert found.struck

@@ -1,0 +1,98 @@
+"""The coefficients of a mechanism's equation between nodes, for the general solver: an
+evaluation of a linkage takes a hundred times as long as that of a polynomial.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from functools import lru_cache
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from ...structures.mechanics.kinematics import Linearised, Mechanism
+
+_DEGREE = 10  # of the polynomials of a panel
+_PANELS = 8  # panels between rest and alpha, before they are halved
+_HALVINGS = 12  # of a panel; where none of them helps, the linkage itself is asked
+# difference of a polynomial from the linkage between the nodes, over the largest value
+# in the panel
+_CLOSE = 1e-13
+_NODES = -np.cos(np.pi * (np.arange(_DEGREE + 1) + 0.5) / (_DEGREE + 1))  # of [-1, 1]
+_BETWEEN = np.array([-1.0, -0.55, 0.1, 0.71, 1.0])  # where a polynomial is compared
+
+# 1/sqrt(M), V'/(g sqrt(M)) and B/sqrt(M) of Eq. 3.4 at a rotation [rad]
+Functions = Callable[[float], tuple[float, float, float]]
+
+
+class _Polynomials(NamedTuple):
+    """Three polynomials on one panel."""
+
+    centre: float  # middle of the panel [rad]
+    half: float  # half its width [rad]
+    # coefficients of the powers of (theta - centre)/half, the highest first: of each
+    # power those of the three functions
+    terms: list[tuple[float, float, float]]
+
+    def __call__(self, theta: float) -> tuple[float, float, float]:
+        x = (theta - self.centre) / self.half
+        a = b = c = 0.0
+        for i, j, k in self.terms:
+            a, b, c = a * x + i, b * x + j, c * x + k
+        return a, b, c
+
+
+class _Tables:
+    """Polynomials on panels of one width, each fitted when a rotation first falls into
+    it.
+    """
+
+    def __init__(self, mechanism: Mechanism, width: float, halvings: int) -> None:
+        self.mechanism = mechanism
+        self.width = width  # of a panel [rad]
+        self.halvings = halvings  # how often a panel may be halved
+        self.panels: dict[int, Functions] = {}  # by the number of the panel
+
+    def __call__(self, theta: float) -> tuple[float, float, float]:
+        place = math.floor(theta / self.width)
+        panel = self.panels.get(place)
+        if panel is None:
+            panel = self.panels[place] = self._fitted(place)
+        return panel(theta)
+
+    def exactly(self, theta: np.ndarray) -> np.ndarray:
+        """Return the three functions by the linkage, (rotations, 3)."""
+        c = self.mechanism.coefficients(theta)
+        root = np.sqrt(c.inertia)
+        return np.stack([1.0 / root, c.lift / root, c.push / root], axis=-1)
+
+    def _fitted(self, place: int) -> Functions:
+        """Return the functions of a panel: polynomials, or panels of half the width
+        where these are not close enough.
+        """
+        half = 0.5 * self.width
+        centre = (2 * place + 1) * half
+        known = self.exactly(centre + half * _NODES)
+        if np.all(np.isfinite(known)):
+            powers = np.vander(_NODES)
+            terms = np.linalg.solve(powers, known)
+            found = np.vander(_BETWEEN, _DEGREE + 1) @ terms
+            apart = np.abs(found - self.exactly(centre + half * _BETWEEN))
+            if np.all(apart <= _CLOSE * np.abs(known).max(axis=0)):
+                return _Polynomials(centre, half, list(map(tuple, terms.tolist())))
+        if self.halvings:
+            return _Tables(self.mechanism, half, self.halvings - 1)
+        return lambda theta: tuple(self.exactly(np.array(theta)).tolist())
+
+
+@lru_cache(maxsize=64)
+def tabulated(mechanism: Mechanism) -> tuple[Linearised, Functions]:
+    """Return the linear form of a mechanism and its functions in Eq. 3.4. Raises
+    StructureError.
+    """
+    from ...structures.mechanics.kinematics import linearise
+
+    form = linearise(mechanism)
+    return form, _Tables(mechanism, form.alpha / _PANELS, _HALVINGS)

@@ -1,0 +1,43 @@
+"""The polynomials in the place of a linkage, against the linkage itself."""
+
+import numpy as np
+import pytest
+
+from rocking_cli import load_structures
+from rocking_cli.dynamics.references.tabulated import tabulated
+
+
+def mechanisms(document):
+    (structure,) = load_structures(f"configs/{document}.yaml")
+    return [side.mechanism for side in structure.sides] or [structure.mechanism]
+
+
+@pytest.mark.parametrize(
+    "document", ["arch", "mechanism_portal", "wall_between_floors"]
+)
+def test_the_polynomials_are_the_linkage_to_rounding(document):
+    """From below the ground, where the steps of a solver may end, to the rotation at
+    which the links lock, where 1/sqrt(M) falls to zero like a root.
+    """
+    random = np.random.default_rng(3)
+    for mechanism in mechanisms(document):
+        form, functions = tabulated(mechanism)
+        end = min(2.0 * form.alpha, mechanism.reach)
+        places = random.uniform(-0.1 * form.alpha, end, 200)
+        c = mechanism.coefficients(places)
+        exact = np.stack([np.ones(200), c.lift, c.push]) / np.sqrt(c.inertia)
+        found = np.array([functions(float(theta)) for theta in places]).T
+        assert np.all(np.abs(found - exact).max(axis=1) <= 1e-12 * np.abs(exact).max(1))
+
+
+def test_where_no_polynomial_is_close_the_linkage_is_asked():
+    """Up to the place where the links lock, where M is not analytic."""
+    (mechanism,) = mechanisms("mechanism")
+    _, functions = tabulated(mechanism)
+    for part in (0.5, 0.1, 1e-2, 1e-4, 1e-6):
+        theta = mechanism.reach * (1.0 - part)
+        c = mechanism.coefficients(theta)
+        root = np.sqrt(c.inertia)
+        assert functions(theta) == pytest.approx(
+            (1.0 / root, c.lift / root, c.push / root), rel=1e-11
+        )
