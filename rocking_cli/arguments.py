@@ -303,7 +303,9 @@ def _wanted(hint: Any) -> str:
     options = _options(hint)
     if {str, Path} <= set(options):
         rest = [one for one in options if one not in (str, Path)]
-        return " or ".join(["a path (a text or a Path)", *map(_wanted, rest)])
+        pulse = any(getattr(one, "__name__", "") == "Motion" for one in rest)
+        path = f"{'the name of a pulse or ' * pulse}a path (a text or a Path)"
+        return " or ".join([path, *map(_wanted, rest)])
     if len(options) > 1:
         return " or ".join(dict.fromkeys(map(_wanted, options)))
     if hint in _PLAIN:

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from ..errors import UsageError, did_you_mean
+from ..motions.given import AnyMotion, motion_from
 from ..motions.motion import Motion
 from ..motions.segments import Chain
 from .batch import Batch
@@ -97,7 +98,7 @@ def cheaper(system: System, motion: Motion, cells: int) -> str:
 
 def response(
     system: System,
-    motion: Motion,
+    motion: AnyMotion,
     amplitude: Array | float,
     omega: Array | float,
     eta: Array | float,
@@ -117,7 +118,7 @@ def response(
     system
         the equation of motion on its contact, such as `Method().system_of(structure)`
     motion
-        the motion of the ground
+        the motion of the ground: an object, the name of a pulse, or a path
     amplitude
         A = a_scale a_g / (alpha g) [-], finite, not negative
     omega
@@ -157,6 +158,7 @@ def response(
     >>> Outcome(int(found.outcome)).flag, round(float(found.theta_ratio), 6)
     ('rocked', 0.15645)
     """
+    motion = motion_from(motion)
     shape, cells = _flat(amplitude, omega, eta)
     if not (np.all(np.isfinite(cells[0])) and np.all(cells[0] >= 0.0)):
         raise ValueError("amplitude must be finite and not negative")
@@ -437,7 +439,7 @@ def chains(system: System, motion: Motion) -> bool:
 
 
 def linear_response(
-    motion: Motion,
+    motion: AnyMotion,
     amplitude: Array,
     omega: Array,
     eta: Array | float,
@@ -453,7 +455,7 @@ def linear_response(
     Parameters
     ----------
     motion
-        the motion of the ground
+        the motion of the ground: an object, the name of a pulse, or a path
     amplitude
         A = a_scale a_g / (alpha g) [-], finite, not negative
     omega
@@ -494,7 +496,7 @@ def linear_response(
 
 
 def nonlinear_response(
-    motion: Motion,
+    motion: AnyMotion,
     amplitude: Array,
     omega: Array,
     eta: Array | float,
@@ -512,7 +514,7 @@ def nonlinear_response(
     Parameters
     ----------
     motion
-        the motion of the ground
+        the motion of the ground: an object, the name of a pulse, or a path
     amplitude
         A = a_g / (alpha g) [-], finite, not negative; the body lifts at
         A = tan(alpha)/alpha

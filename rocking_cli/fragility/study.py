@@ -14,7 +14,7 @@ import numpy as np
 from ..dynamics.method import LINEAR, Method, governing_method
 from ..dynamics.outcome import Outcome
 from ..errors import UsageError, did_you_mean
-from ..motions.recording import Recording
+from ..motions.given import HasMotion, recordings_from
 from ..spectra.sweep import SweepOptions
 from ..structures.given import Structure, structures_from
 from ..structures.parameters import RockingParameters
@@ -309,7 +309,7 @@ def _is_lifted(member: MotionMember) -> bool:
 
 def fragility(
     structures: Structure | Sequence[Structure],
-    records: Sequence[Recording],
+    records: str | Path | Sequence[HasMotion | str | Path],
     levels: Sequence[float] | Array,
     im: str = "PGA",
     *,
@@ -328,7 +328,8 @@ def fragility(
     structures
         one or more: parameters, documents, paths, or texts such as "block:0.5x2"
     records
-        the records, each scaled to every level; see `load_records`
+        the records, each scaled to every level: those of `load_records`, or the path of
+        a folder, or paths
     levels
         levels of the measure [SI], positive and rising, (k,)
     im
@@ -380,7 +381,10 @@ def fragility(
                 f" {', '.join(METHODS)}{did_you_mean(word, METHODS)}"
             )
     motions = MotionSet(
-        members_of(records), measure, x, method or governing_method(*bodies)
+        members_of(recordings_from(records)),
+        measure,
+        x,
+        method or governing_method(*bodies),
     )
     exact, sweep = hazard is not None and None in limits, SweepOptions(workers=workers)
     each = list(

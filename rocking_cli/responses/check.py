@@ -18,7 +18,8 @@ from ..envelopes.capacity import Capacity, fall_searches
 from ..envelopes.intervals import A_MAX
 from ..errors import UsageError
 from ..motions import Motion
-from ..motions.grid import Grid, HasMotion, demand_of
+from ..motions.given import AnyMotion, demand_of
+from ..motions.grid import Grid
 from ..processes import available_cpus, part_reporter, processes
 from ..structures.friction import friction_that_slides
 from ..structures.given import Structure, structure_from
@@ -47,7 +48,7 @@ _WORTH = 3  # demands under pulses for each process that is started, at least
 
 def check(
     structure: Structure,
-    motion: Motion | HasMotion,
+    motion: AnyMotion,
     shaking: Grid | str | None = None,
     *,
     a_max: float | None = A_MAX,
@@ -63,7 +64,7 @@ def check(
     structure
         parameters, a document, a path, or a text such as "block:0.5x2"
     motion
-        the motion of the ground
+        the motion of the ground: an object, the name of a pulse, or a path
     shaking
         the demand: amplitude and frequency, a grid of one cell or its text; a record
         does not need it

@@ -28,10 +28,10 @@ from ..motions.design_spectra import (
     Spectrum,
     SpectrumFile,
 )
-from ..motions.grid import Grid, HasMotion, demand_of
+from ..motions.given import AnyMotion, demand_of
+from ..motions.grid import Grid
 from ..structures.given import Structure, structure_from
 from ..structures.mechanics.capacity_curve import CapacityCurve, capacity_curves
-from ..structures.parameters import RockingParameters
 
 Q = 2.0  # behaviour factor of the linear check
 ROTATION = 0.40  # of alpha, which is d_SLV of a slender body
@@ -192,7 +192,7 @@ class CodeCheck:
 
 def code_check(
     structure: Structure,
-    motion: Motion | HasMotion | None = None,
+    motion: AnyMotion | None = None,
     shaking: Grid | str | None = None,
     *,
     site: SpectrumFile | None = None,
@@ -209,7 +209,8 @@ def code_check(
         parameters, a document, a path, or a text such as "block:0.5x2"; with
         a geometry
     motion
-        the motion whose spectrum is the demand, None with `site`
+        the motion whose spectrum is the demand: an object, the name of a pulse, or a
+        path; None with `site`
     shaking
         amplitude and frequency of the motion, a grid of one cell or its text; a record
         does not need it
@@ -322,9 +323,9 @@ def _reached(
 
 
 def first_beyond(
-    structure: RockingParameters,
-    motion: Motion,
-    shaking: Grid,
+    structure: Structure,
+    motion: AnyMotion,
+    shaking: Grid | str | None = None,
     share: float = ROTATION,
     *,
     most: float | None = None,
@@ -338,11 +339,11 @@ def first_beyond(
     Parameters
     ----------
     structure
-        the structure
+        parameters, a document, a path, or a text such as "block:0.5x2"
     motion
-        the motion of the ground
+        the motion of the ground: an object, the name of a pulse, or a path
     shaking
-        the demand, a grid of one cell
+        the demand, a grid of one cell or its text; a record does not need it
     share
         |theta|/alpha that counts as beyond [-]; 0.4 is that of SLV
     most
@@ -364,6 +365,8 @@ def first_beyond(
     >>> round(first_beyond(column, sine(), parse_grid("a_g=0.3g,T_g=0.4")) / 9.81, 3)
     0.571
     """
+    structure = structure_from(structure)
+    motion, shaking = demand_of(motion, shaking)
     demand, omega = shaking.cell(structure)
     system = governing_method(structure, dimensionless=shaking.dimensionless).system_of(
         structure

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from ..dynamics.method import Method, governing_method
-from ..motions import Motion
-from ..motions.grid import Axis, Grid, HasMotion, demand_of
+from ..motions.given import AnyMotion, demand_of
+from ..motions.grid import Axis, Grid
 from ..structures.given import Structure, structures_from
 from ..structures.parameters import RockingParameters
 from .history import quarter_period
@@ -41,7 +41,7 @@ def scaled_alike(
 
 def compare(
     structures: Structure | Sequence[Structure],
-    motion: Motion | HasMotion,
+    motion: AnyMotion,
     shaking: Grid | str | None = None,
     methods: Sequence[Method] = (),
 ) -> list[TimeHistory]:
@@ -55,7 +55,7 @@ def compare(
     structures
         one or more: parameters, documents, paths, or texts such as "block:0.5x2"
     motion
-        the motion of the ground
+        the motion of the ground: an object, the name of a pulse, or a path
     shaking
         amplitude and frequency for the first structure, a grid of one cell or its text;
         a record does not need it

@@ -16,7 +16,8 @@ from ..dynamics.outcome import LOST, Outcome
 from ..dynamics.sliding import Base, SlideStretch, Sliding
 from ..errors import UsageError
 from ..motions import Motion
-from ..motions.grid import Grid, HasMotion, demand_of
+from ..motions.given import AnyMotion, demand_of
+from ..motions.grid import Grid
 from ..structures.friction import (
     Friction,
     covers_sliding,
@@ -24,6 +25,7 @@ from ..structures.friction import (
     least_lambda,
     sliders,
 )
+from ..structures.given import Structure, structure_from
 from ..structures.parameters import RockingParameters
 from .verdict import SLIDE_COLUMNS, Verdict
 
@@ -278,9 +280,9 @@ def _at_the_end(residual: float) -> str:
 
 
 def slide_history(
-    structure: RockingParameters,
-    motion: Motion | HasMotion,
-    shaking: Grid | None = None,
+    structure: Structure,
+    motion: AnyMotion,
+    shaking: Grid | str | None = None,
 ) -> SlideHistory | None:
     """Return the sliding of a structure whose friction keeps it from rocking, None for
     another structure.
@@ -288,12 +290,14 @@ def slide_history(
     Parameters
     ----------
     structure
+        parameters, a document, a path, or a text such as "block:0.5x2,friction=0.2", of
         a rigid body on two edges; it slides and never rocks if its static friction is
         below lambda of each edge, of a stack of each interface
     motion
-        the motion of the ground, with its vertical one
+        the motion of the ground with its vertical one: an object, the name of a pulse,
+        or a path
     shaking
-        a grid of one cell, which a record does not need
+        a grid of one cell or its text; a record does not need it
 
     Returns
     -------
@@ -312,6 +316,7 @@ def slide_history(
     >>> round(found.slide_max, 6), round(found.slide_residual, 6)
     (0.125812, 0.006298)
     """
+    structure = structure_from(structure)
     moved, grid = demand_of(motion, shaking)
     friction = friction_that_slides(structure)
     if friction is None:

@@ -14,7 +14,8 @@ from ..dynamics.method import Method, governing_method
 from ..dynamics.outcome import LOST, Outcome
 from ..errors import UsageError
 from ..motions import Motion, Piece
-from ..motions.grid import Grid, HasMotion, demand_of
+from ..motions.given import AnyMotion, demand_of
+from ..motions.grid import Grid
 from ..showing import Shown
 from ..structures.given import Structure, structure_from
 from ..structures.parameters import RockingParameters
@@ -565,7 +566,7 @@ def _rows_of(columns: dict[str, np.ndarray]) -> Iterator[dict[str, float | None]
 
 def time_history(
     structure: Structure,
-    motion: Motion | HasMotion | None,
+    motion: AnyMotion | None,
     shaking: Grid | str | None = None,
     methods: Sequence[Method] = (),
     *,
@@ -579,7 +580,8 @@ def time_history(
     structure
         parameters, a document, a path, or a text such as "block:0.5x2"
     motion
-        the motion of the ground; None for free rocking from theta/alpha = release
+        the motion of the ground: an object, the name of a pulse, or a path; None for
+        free rocking from theta/alpha = release
     shaking
         amplitude and frequency, a grid of one cell or its text; a record does not need
         it

@@ -31,9 +31,8 @@ from ..envelopes.intervals import (
 )
 from ..errors import UsageError
 from ..motions import Motion
+from ..motions.given import AnyMotion, read_if_named, recordings_from
 from ..motions.grid import Axis
-from ..motions.recording import Recording
-from ..motions.records import Record
 from ..processes import available_cpus
 from ..structures.given import Structure, structure_from
 from .record_scene import RecordScene, structures_scene
@@ -169,7 +168,7 @@ def tracing_rows(
 
 def envelope(
     structure: Structure,
-    motion: Motion | Record | Recording,
+    motion: AnyMotion,
     axis: Axis | str | None = None,
     *,
     method: Method | None = None,
@@ -188,7 +187,8 @@ def envelope(
     structure
         parameters, a document, a path, or a text such as "block:0.5x2"
     motion
-        a pulse, or a record, whose scale is varied
+        a pulse, or a record, whose scale is varied: an object, the name of a pulse, or
+        a path
     axis
         of frequencies, or its text such as "f_g=0.5:5:10"; None for a record
     method
@@ -225,6 +225,7 @@ def envelope(
     """
     structure = structure_from(structure)
     axis = frequency_axis(axis) if isinstance(axis, str) else axis
+    motion = read_if_named(motion)
     method = method or governing_method(
         structure, dimensionless=axis is not None and axis.name == "Omega"
     )
@@ -249,7 +250,7 @@ def envelope(
         raise UsageError(
             "a record runs in its own time; expected no axis of frequencies"
         )
-    recording = motion if isinstance(motion, Recording) else Recording(motion)
+    (recording,) = recordings_from([motion])
     return list(
         tracing_rows(
             Tracing(structures_scene([structure], [recording], method=method), a_max),

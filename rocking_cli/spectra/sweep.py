@@ -18,7 +18,8 @@ from ..errors import Interrupted, UsageError
 from ..interruption import check as check_for_a_stop
 from ..interruption import deferred
 from ..motions import Motion
-from ..motions.grid import Grid, HasMotion, with_grid
+from ..motions.given import AnyMotion, with_grid
+from ..motions.grid import Grid
 from ..processes import available_cpus, refuse_endless
 from ..structures.given import Structure, structures_from
 from ..structures.parameters import RockingParameters
@@ -161,7 +162,7 @@ class SweepOptions:
 
 def spectrum(
     structures: Structure | Sequence[Structure],
-    motion: Motion | HasMotion,
+    motion: AnyMotion,
     grid: Grid | str | None = None,
     *,
     method: Method | None = None,
@@ -176,7 +177,7 @@ def spectrum(
         one or more: parameters, documents, paths, or texts such as "block:0.5x2"; of
         those of equal restitution a linear spectrum over A and Omega is computed once
     motion
-        the motion of the ground
+        the motion of the ground: an object, the name of a pulse, or a path
     grid
         the cells, A and Omega, or a_g and a frequency, or a text that states them; a
         record needs none, and parse_grid(..., own_time=True) scales it
@@ -259,7 +260,7 @@ def spectrum_of(scene: Scene, options: SweepOptions | None = None) -> Spectrum:
 
 def write_spectrum(
     structures: Structure | Sequence[Structure],
-    motion: Motion,
+    motion: AnyMotion,
     grid: Grid | str,
     path: str | Path,
     *,
@@ -276,7 +277,7 @@ def write_spectrum(
     structures
         one or more as in `spectrum`, with distinct names
     motion
-        the pulse
+        the pulse: an object, its name, or the path of a motion document
     grid
         the cells, A and Omega, or a_g and a frequency, or a text that states them
     path
