@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from ..errors import UsageError, did_you_mean
+from ..errors import UsageError, counted, did_you_mean
 from ..motions.given import AnyMotion, motion_from
 from ..motions.motion import Motion
 from ..motions.segments import Chain
@@ -51,6 +51,13 @@ class Response(NamedTuple):
     outcome: Array  # codes of `Outcome`, (cells,)
     impacts: Array  # counts, (cells,)
     work: Work  # counters of all cells
+
+    def __repr__(self) -> str:
+        codes, numbers = np.unique(self.outcome, return_counts=True)
+        found = [
+            f"{n} {Outcome(int(c)).flag}" for c, n in zip(codes, numbers, strict=True)
+        ]
+        return f"Response({counted(self.outcome.size, 'cell')}: {', '.join(found)})"
 
     @classmethod
     def joined(cls, parts: Sequence["Response"]) -> "Response":

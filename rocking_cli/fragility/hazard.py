@@ -15,11 +15,13 @@ Nothing is counted outside the points; H(x_last) bounds the part beyond the last
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from ..arguments import check_fields
 from ..errors import UsageError
+from ..showing import Shown
 from .measures import measure_of
 
 Array = np.ndarray
@@ -35,8 +37,8 @@ RATE_COLUMNS = (
 )
 
 
-@dataclass(frozen=True, eq=False)
-class HazardCurve:
+@dataclass(frozen=True, eq=False, repr=False)
+class HazardCurve(Shown):
     """The annual rates at which levels of an intensity measure are exceeded.
 
     `read_hazard` reads one of a file; `annual_rate` and `fragility` take it. Between
@@ -81,6 +83,17 @@ class HazardCurve:
             and np.all(np.diff(self.rate) <= 0.0)
         ):
             raise UsageError("hazard curve: expected positive rates that do not rise")
+
+    def _shown(self) -> dict[str, Any]:
+        return {
+            "im": self.im,
+            "levels": f"{self.x.size}: {self.x[0]:.4g} to {self.x[-1]:.4g}",
+            "annual_rate": f"{self.rate[0]:.4g} to {self.rate[-1]:.4g}",
+        }
+
+    def _rows(self) -> list[dict[str, Any]]:
+        pairs = zip(self.x.tolist(), self.rate.tolist(), strict=True)
+        return [{"im": self.im, "x": x, "annual_rate": rate} for x, rate in pairs]
 
     def __call__(self, x: Array | float) -> Array:
         """Return H [1/year] at levels x [SI], in the shape of x; outside the points the

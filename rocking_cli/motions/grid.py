@@ -17,7 +17,7 @@ from ..documents.quantities import (
     split_quantity,
     with_a_point,
 )
-from ..errors import UsageError, did_you_mean
+from ..errors import UsageError, counted, did_you_mean
 from ..structures.parameters import RockingParameters
 from .motion import Motion
 
@@ -110,6 +110,15 @@ class Axis:
             raise UsageError(
                 f"axis alpha: found {v[-1]:g} rad; expected angles below a right one"
             )
+
+    def __repr__(self) -> str:
+        first, last = f"{self.values[0]:.4g}", f"{self.values[-1]:.4g}"
+        span = first if self.values.size == 1 else f"{first} to {last}"
+        unit = {"1": "", "m s-2": " m/s2", "rad s-1": " rad/s"}
+        return (
+            f"Axis({self.name}: {counted(self.values.size, 'value')},"
+            f" {span}{unit.get(AXES[self.name][0], ' ' + AXES[self.name][0])})"
+        )
 
     def stated(self) -> list[float | int]:
         """Return [first value, last value, number of values, CRC-32 of the values], to

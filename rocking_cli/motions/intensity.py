@@ -9,14 +9,15 @@ from pathlib import Path
 import numpy as np
 
 from ..documents.quantities import DEFAULT_GRAVITY
+from ..showing import Shown
 from .blocks import largest
 from .records import Record, record_from
 
 Array = np.ndarray
 
 
-@dataclass(frozen=True)
-class Intensity:
+@dataclass(frozen=True, repr=False)
+class Intensity(Shown):
     """The intensity measures of a record, as `intensity` returns them.
 
     Attributes
@@ -45,6 +46,9 @@ class Intensity:
     cav: float  # cumulative absolute velocity [m/s]
     d5_75: float  # duration from 5 to 75 % of the Arias intensity [s]
     d5_95: float  # duration from 5 to 95 % of the Arias intensity [s]
+
+    def _shown(self) -> dict[str, float]:
+        return vars(self)
 
 
 def intensity(record: Record | str | Path) -> Intensity:

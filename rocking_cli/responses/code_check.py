@@ -30,6 +30,7 @@ from ..motions.design_spectra import (
 )
 from ..motions.given import AnyMotion, demand_of
 from ..motions.grid import Grid
+from ..showing import Shown
 from ..structures.given import Structure, structure_from
 from ..structures.mechanics.capacity_curve import CapacityCurve, capacity_curves
 
@@ -64,8 +65,8 @@ class Reached(NamedTuple):
     broken: bool  # True if a tie decides it by its break
 
 
-@dataclass(frozen=True)
-class CodeCheck:
+@dataclass(frozen=True, repr=False)
+class CodeCheck(Shown):
     """A structure checked by the Italian code, as `code_check` returns it.
 
     Amplitudes are those of the motion, or the peak of a spectrum file. Of several
@@ -105,6 +106,10 @@ class CodeCheck:
     spectrum: Spectrum  # of the demand
     # True for the spectrum of a floor, if the dynamics are on the ground
     on_floor: bool
+
+    def _shown(self) -> dict[str, Any]:
+        found = {"structure": self.structure, "demand": self.demand}
+        return {**found, "demand_a": self.demand_a, **self.row()}
 
     def row(self, beyond: float | None = None) -> dict[str, Any]:
         """Return the columns that `rocking check --code` adds.

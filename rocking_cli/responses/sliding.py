@@ -5,7 +5,7 @@ beside that of the same body on a base that does not slide.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import asdict, dataclass, replace
 from functools import cached_property
 from typing import Any
@@ -18,6 +18,7 @@ from ..errors import UsageError
 from ..motions import Motion
 from ..motions.given import AnyMotion, demand_of
 from ..motions.grid import Grid
+from ..showing import Shown
 from ..structures.friction import (
     Friction,
     covers_sliding,
@@ -41,8 +42,8 @@ ONE_WAY = (
 )
 
 
-@dataclass(frozen=True, eq=False)
-class SlideHistory:
+@dataclass(frozen=True, eq=False, repr=False)
+class SlideHistory(Shown):
     """The sliding of one structure under one motion.
 
     Attributes
@@ -68,6 +69,22 @@ class SlideHistory:
     omega: float  # omega_g [rad/s]
     friction: Friction  # of its base
     sliding: Sliding  # its slides, in phases
+
+    def _shown(self) -> dict[str, Any]:
+        return {
+            "structure": self.structure.name,
+            "motion": self.motion.name,
+            "demand_a": self.demand_a,
+            "outcome": self.outcome.flag,
+            "friction": self.friction.static,
+            "slide_a": self.slide_a,
+            "slide_max": self.slide_max,
+            "slide_residual": self.slide_residual,
+            "slide_speed": self.slide_speed,
+        }
+
+    def _rows(self) -> Iterable[Mapping[str, Any]]:
+        return self.rows()
 
     @property
     def outcome(self) -> Outcome:

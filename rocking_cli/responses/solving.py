@@ -22,6 +22,7 @@ from ..motions import Motion
 from ..motions.given import AnyMotion, Shake, demand_of, demands_of
 from ..motions.grid import Grid
 from ..processes import available_cpus
+from ..showing import Shown
 from ..structures.family import Variation, family, parse_variation
 from ..structures.friction import sliders
 from ..structures.given import document_from
@@ -39,8 +40,8 @@ SCAN = 17  # values of a range that states no number
 _AT_ONCE = 3  # values of the scan for each process, which are judged together
 
 
-@dataclass(frozen=True)
-class Boundary:
+@dataclass(frozen=True, repr=False)
+class Boundary(Shown):
     """A value of a key at which a structure begins or ceases to stand.
 
     `boundaries` returns them. Without a boundary the value and capacity_demand are
@@ -78,6 +79,13 @@ class Boundary:
     capacity_demand: float | None
     shown: dict[str, float | None]  # the value in the unit of the range, by heading
     unit: str = ""  # SI unit of the value, "" for a plain number
+
+    def _shown(self) -> dict[str, Any]:
+        found = {"structure": self.structure, **self.shown, "side": self.side}
+        return {**found, "capacity_demand": self.capacity_demand}
+
+    def _rows(self) -> list[dict[str, Any]]:
+        return [self.row()]
 
     def row(self) -> dict[str, Any]:
         """Return the boundary as `rocking solve --json` prints it."""
