@@ -380,9 +380,9 @@ def _all(
 def _of_history(
     method: Method, structure: RockingParameters, motion: Motion, shaking: Grid
 ) -> dict[str, Any]:
-    """Return friction_needed, fz_min, top_displacement and devices, or opens and
-    friction_needed (of a mechanism, unless forces are not known), from the history,
-    which goes on to `FALLEN`.
+    """Return friction_needed, fz_min, top_displacement, devices and lost_in_fall, or
+    opens and friction_needed (of a mechanism, unless forces are not known), from the
+    history, which goes on to `FALLEN`.
     """
     linked = (
         structure.mechanism is not None
@@ -411,12 +411,18 @@ def _of_history(
             row = forces.summary("tau", 1.0)
             opens["friction_needed"] = row["friction_needed"]
         return opens
-    devices = found.histories[method.model].devices
+    own = found.histories[method.model]
+    devices = own.devices
     top: dict[str, Any] = {
         "top_displacement": found.top_displacement(method.model),
         **({"devices": devices} if devices else {}),
     }
+    if own.outcome.overturned and own.lost is not None:
+        top["lost_in_fall"] = True
     if structure.arm is None or devices:
         return top
     asked = found.forces[method.model].summary("tau", 1.0)
-    return top | {key: asked[key] for key in ("friction_needed", "fz_min")}
+    of_forces = {key: asked[key] for key in ("friction_needed", "fz_min")}
+    if own.outcome.overturned and asked["fz_min"] <= 0.0:
+        top["lost_in_fall"] = True
+    return top | of_forces

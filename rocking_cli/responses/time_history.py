@@ -104,8 +104,15 @@ class TimeHistory(Shown):
 
     @property
     def end(self) -> float:
-        """The time [tau] at which the longest history ends, at most `shown`."""
-        return min(self.shown, max(h.end for h in self.histories.values()))
+        """The time [tau] at which the longest history ends, or its body loses contact;
+        at most `shown`.
+        """
+        return min(self.shown, max(map(self._end_of, self.histories)))
+
+    def _end_of(self, model: str) -> float:
+        """The time [tau] up to which the motion by one equation is known."""
+        lost, end = self._lost(model), self.histories[model].end
+        return end if lost is None else min(lost, end)
 
     @property
     def failed(self) -> bool:
@@ -315,7 +322,7 @@ class TimeHistory(Shown):
         dimensionless: bool = False,
         forces: bool = False,
     ) -> Iterator[dict[str, Any]]:
-        """Yield the response, a row for each time.
+        """Yield the response, a row for each time up to a loss of contact.
 
         Columns with units come first, among them the force of each tie and tendon [N],
         then tau, theta/alpha and the displacement of the top, last those of `NAMED`.
@@ -347,9 +354,9 @@ class TimeHistory(Shown):
         tau = self.times(None if dt is None else dt / time, steps)
         columns = {"tau" if dimensionless else "t": tau * time}
         last = {} if dimensionless else {"tau": tau}
-        for model, found in self.histories.items():
+        for model in self.histories:
             suffix = f"_{model}" if len(self.histories) > 1 else ""
-            state = found.at(tau)
+            state = self._state(model, tau)
             own = self._columns(model, tau, state, dimensionless, forces)
             columns |= {name + suffix: values for name, values in own.items()}
             if dimensionless:
@@ -368,6 +375,15 @@ class TimeHistory(Shown):
         named = self._named(dimensionless)
         for row in _rows_of(columns | last):
             yield row | named
+
+    def _state(self, model: str, tau: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return theta/alpha and its derivative by tau at times tau, NaN where the
+        motion by one equation is not known.
+        """
+        ratio, rate = self.histories[model].at(tau)
+        unknown = tau > self._end_of(model)
+        ratio[unknown] = rate[unknown] = np.nan
+        return ratio, rate
 
     def _named(self, dimensionless: bool) -> dict[str, str | float | None]:
         """Return the columns of `NAMED`: that of the outcome has the name of the model
@@ -406,6 +422,8 @@ class TimeHistory(Shown):
         """
         s, found = self.structure, self.histories[model]
         more = self.forces[model].columns(tau) if forces else {}
+        for column in more.values():
+            column[tau > self._end_of(model)] = np.nan
         ratio, rate = state
         if dimensionless:
             return {"theta_ratio": ratio, "theta_ratio_rate": rate, **more}
@@ -533,7 +551,11 @@ class TimeHistory(Shown):
         for model, found in self.histories.items():
             peak, ratio = found.peak, found.theta_ratio or 0.0
             text = self.outcome(model).sentence
-            if ratio > (0.0 if peak is None else abs(peak.theta_ratio) * (1.0 + 1e-9)):
+            if self.outcome(model) == Outcome.LOST_CONTACT:
+                text += self._loss_in_words(model)
+            elif ratio > (
+                0.0 if peak is None else abs(peak.theta_ratio) * (1.0 + 1e-9)
+            ):
                 text += (
                     f", largest theta {ratio:.6g} alpha after {found.end / s.p:.4g} s"
                 )
@@ -549,10 +571,32 @@ class TimeHistory(Shown):
                 and found.outcome == Outcome.ROCKED
             ):
                 text += f"; still rocking at {found.end / s.p:.4g} s"
+            if self.outcome(model).overturned:
+                text += self._loss_in_words(model)
             text += "".join(f"; {device['words']}" for device in found.devices)
             if forces:
                 text += "; " + self.forces[model].words()
             yield f"{s.name}, {model}: {text}"
+
+    def _loss_in_words(self, model: str) -> str:
+        """Return what to say of a loss of contact; empty without one."""
+        found = self.histories[model]
+        if not self.outcome(model).overturned:
+            instant = min(e.tau for e in self._events(model) if e.event == LOST)
+            at = f" at {instant / self.structure.p:.4g} s"
+            return f"{at}, and its later motion is not known"
+        lost = found.lost
+        try:
+            lost = lost if found.devices else self.forces[model].lost
+        except UsageError:  # forces that are not known
+            return ""
+        if lost is None:
+            return ""
+        at = f"at {lost / self.structure.p:.4g} s"
+        return (
+            f", and loses contact with the ground {at} during its fall, which is"
+            " therefore not proved"
+        )
 
 
 def _rows_of(columns: dict[str, np.ndarray]) -> Iterator[dict[str, float | None]]:
