@@ -315,6 +315,8 @@ def _wanted(hint: Any) -> str:
         return "a function"
     if origin is tuple:
         return f"a tuple of ({', '.join(map(_wanted, inner))})"
+    if isinstance(origin, type) and issubclass(origin, Mapping):
+        return "a dictionary"
     if _is_list(hint):
         return f"a list of {_many(inner[0])}" if inner else "a list"
     named = _named(hint)

@@ -228,6 +228,29 @@ def test_a_wrong_motion_is_told_in_one_sentence(motion, said):
         rocking_cli.check("block:0.5x2", motion, "a_g=0.35g,f_g=1.5")
 
 
+def test_an_equation_may_be_its_name_and_an_outcome_its_word():
+    column, demand = "{kind: block, width: 0.5, height: 2}", "a_g=0.35g,f_g=1.5"
+    found = rocking_cli.time_history(column, "sine", demand, "linear")
+    wanted = rocking_cli.time_history(
+        load_structures("block:0.5x2")[0], sine(), demand, [rocking_cli.Method()]
+    )
+    assert [row["theta"] for row in found.rows()] == [
+        row["theta"] for row in wanted.rows()
+    ]
+    outcome = found.outcome("linear")
+    assert outcome == "rocked"
+    assert outcome != "overturned_no_impact"
+    assert {outcome: 1}[2] == 1
+    with pytest.raises(UsageError, match=r"unknown model 'liner'.*did you mean"):
+        rocking_cli.time_history(column, "sine", demand, "liner")
+
+
+def test_a_hazard_curve_may_be_the_path_of_its_file():
+    path = "configs/hazard.csv"
+    wanted = rocking_cli.annual_rate(1.5, 0.3, rocking_cli.read_hazard(path))
+    assert rocking_cli.annual_rate(1.5, 0.3, path) == wanted
+
+
 def sections(thing):
     """Return the sections of a docstring by title: the names that each lists, which
     begin its lines without indentation.

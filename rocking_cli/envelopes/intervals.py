@@ -90,7 +90,7 @@ def trace_envelope(
     motion: AnyMotion,
     omegas: Sequence[float] | np.ndarray,
     *,
-    method: Method = LINEAR,
+    method: Method | str = LINEAR,
     a_max: float = A_MAX,
     sign: str = "worse",
     workers: int | None = None,
@@ -113,7 +113,7 @@ def trace_envelope(
         Omega [-], (frequencies,); under a record only 1/p, since a record has its own
         time
     method
-        model and tolerance
+        model and tolerance, or the name of the model
     a_max
         largest A of the search [-]
     sign
@@ -146,7 +146,7 @@ def trace_envelope(
     3.63115 None
     """
     structure = structure_from(structure)
-    motion = motion_from(motion)
+    motion, method = motion_from(motion), Method.of(method)
     omegas = np.atleast_1d(np.asarray(omegas, dtype=float))
     if (
         motion.acceleration is not None

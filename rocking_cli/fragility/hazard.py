@@ -15,6 +15,7 @@ Nothing is counted outside the points; H(x_last) bounds the part beyond the last
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -284,7 +285,7 @@ class Rate:
         return found
 
 
-def annual_rate(median: float, beta: float, hazard: HazardCurve) -> float:
+def annual_rate(median: float, beta: float, hazard: HazardCurve | str | Path) -> float:
     """Return the annual rate of a limit state whose capacity is lognormal.
 
     Parameters
@@ -294,7 +295,7 @@ def annual_rate(median: float, beta: float, hazard: HazardCurve) -> float:
     beta
         dispersion [-], positive
     hazard
-        the hazard curve of the site
+        the hazard curve of the site, or the path of a file that `read_hazard` reads
 
     Returns
     -------
@@ -323,4 +324,8 @@ def annual_rate(median: float, beta: float, hazard: HazardCurve) -> float:
         raise UsageError(
             f"found median = {median:g} and beta = {beta:g}; expected positive numbers"
         )
+    if isinstance(hazard, str | Path):
+        from .hazard_files import read_hazard
+
+        hazard = read_hazard(hazard)
     return float(hazard.rate_of(np.array(math.log(median)), np.array(beta)))

@@ -43,6 +43,7 @@ from .fitted_curve import (
     word_of,
 )
 from .hazard import HazardCurve, Rate
+from .hazard_files import read_hazard
 from .measures import Measure, MotionMember, measure_of, members_of
 
 Array = np.ndarray
@@ -315,10 +316,10 @@ def fragility(
     *,
     limits: Sequence[float | None] = LIMITS,
     methods: Sequence[str] = ("stripes",),
-    method: Method | None = None,
+    method: Method | str | None = None,
     how: Resampling | None = None,
     workers: int | None = None,
-    hazard: HazardCurve | None = None,
+    hazard: HazardCurve | str | Path | None = None,
 ) -> list[Fit]:
     """Return the fragility curves of structures under records, as `rocking fragility`
     does.
@@ -340,13 +341,14 @@ def fragility(
     methods
         some of "stripes", "first" and "cloud"
     method
-        the equation of motion; None for the nonlinear one if all geometries are known
+        the equation of motion or its name, such as "linear"; None for the nonlinear one
+        if all geometries are known
     how
         options of the bootstrap, None for 1000 samples
     workers
         number of processes, None for all cores
     hazard
-        a hazard curve of the same measure, for annual rates
+        a hazard curve of the same measure, or the path of its file, for annual rates
 
     Returns
     -------
@@ -369,6 +371,8 @@ def fragility(
     """
     bodies = structures_from(structures)
     measure, x = measure_of(im), check_levels(np.asarray(levels, dtype=float))
+    if isinstance(hazard, str | Path):
+        hazard = read_hazard(hazard, im)
     if hazard is not None and hazard.im != measure.name:
         raise UsageError(
             f"found a hazard curve of {hazard.im}; expected {measure.name}, the measure"
@@ -384,7 +388,7 @@ def fragility(
         members_of(recordings_from(records)),
         measure,
         x,
-        method or governing_method(*bodies),
+        Method.of(method or governing_method(*bodies)),
     )
     exact, sweep = hazard is not None and None in limits, SweepOptions(workers=workers)
     each = list(

@@ -195,9 +195,8 @@ def with_grid(motion: AnyMotion, grid: Grid | str | None) -> tuple[Motion, Grid]
     if grid is not None:
         return found, grid
     if found.acceleration is None:
-        one = "parse_grid('a_g=0.3g,f_g=1')"
         raise UsageError(
-            f"{found.name}: no grid; expected one, such as {one}, which only a record"
-            " does not need"
+            f"{found.name}: no grid; expected one, such as 'a_g=0.3g,f_g=1', which only"
+            " a record does not need"
         )
     return found, as_recorded(found.acceleration)

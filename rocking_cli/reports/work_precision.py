@@ -135,7 +135,7 @@ def accuracy(
     motion: AnyMotion,
     grid: Grid | str | None = None,
     *,
-    method: Method | None = None,
+    method: Method | str | None = None,
     sample: int = 40,
     scipy: int = 10,
     seed: int = 0,
@@ -151,8 +151,8 @@ def accuracy(
     grid
         from whose cells some are drawn, or its text; a record does not need it
     method
-        the equation of motion; None for the nonlinear one if the geometry is known and
-        the axes have units, else the linear one
+        the equation of motion or its name, such as "linear"; None for the nonlinear one
+        if the geometry is known and the axes have units, else the linear one
     sample
         number of cells that are compared, from 1
     scipy
@@ -191,7 +191,9 @@ def accuracy(
             )
     structure = structure_from(structure)
     motion, grid = with_grid(motion, grid)
-    method = method or governing_method(structure, dimensionless=grid.dimensionless)
+    method = Method.of(
+        method or governing_method(structure, dimensionless=grid.dimensionless)
+    )
     return list(
         work_precision(
             PulseScene((structure,), grid, motion, method),

@@ -11,6 +11,7 @@ at uplift if that amplitude is larger.
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -27,6 +28,7 @@ from ..motions.design_spectra import (
     MotionSpectrum,
     Spectrum,
     SpectrumFile,
+    read_spectrum,
 )
 from ..motions.given import AnyMotion, demand_of
 from ..motions.grid import Grid
@@ -200,7 +202,7 @@ def code_check(
     motion: AnyMotion | None = None,
     shaking: Grid | str | None = None,
     *,
-    site: SpectrumFile | None = None,
+    site: SpectrumFile | str | Path | None = None,
     floor: Sequence[FloorMode] = (),
     confidence: float = 1.0,
 ) -> CodeCheck:
@@ -220,7 +222,7 @@ def code_check(
         amplitude and frequency of the motion, a grid of one cell or its text; a record
         does not need it
     site
-        the design spectrum of a file, in place of the motion's
+        a design spectrum, or the path of its file, in place of the motion's
     floor
         the modes of the building that carries the body, on a ground with this spectrum
     confidence
@@ -251,6 +253,8 @@ def code_check(
     [0.5, 0.537, 0.765]
     """
     structure = structure_from(structure)
+    if isinstance(site, str | Path):
+        site = read_spectrum(site)
     if not 1.0 <= confidence < math.inf:
         raise UsageError(
             f"`fc`: found {confidence:g}; expected a confidence factor from 1, such as"

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ..dynamics.method import Method, governing_method
+from ..dynamics.method import Method, governing_method, methods_of
 from ..motions.given import AnyMotion, demand_of
 from ..motions.grid import Axis, Grid
 from ..structures.given import Structure, structures_from
@@ -43,7 +43,7 @@ def compare(
     structures: Structure | Sequence[Structure],
     motion: AnyMotion,
     shaking: Grid | str | None = None,
-    methods: Sequence[Method] = (),
+    methods: Method | str | Sequence[Method | str] = (),
 ) -> list[TimeHistory]:
     """Return the response of each structure to one motion, at equal A and Omega.
 
@@ -60,8 +60,9 @@ def compare(
         amplitude and frequency for the first structure, a grid of one cell or its text;
         a record does not need it
     methods
-        the equations of motion, empty for the nonlinear one if all geometries are known
-        and the motion has units, else the linear one
+        the equations of motion or their names, such as "linear"; empty for the
+        nonlinear one if all geometries are known and the motion has units, else the
+        linear one
 
     Returns
     -------
@@ -82,7 +83,7 @@ def compare(
     """
     bodies = structures_from(structures)
     motion, shaking = demand_of(motion, shaking)
-    methods = methods or [
+    methods = methods_of(methods) or [
         governing_method(*bodies, dimensionless=shaking.dimensionless)
     ]
     return [

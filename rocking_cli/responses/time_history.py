@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..dynamics.method import Method, governing_method
+from ..dynamics.method import Method, governing_method, methods_of
 from ..dynamics.outcome import LOST, Outcome
 from ..errors import UsageError
 from ..motions import Motion, Piece
@@ -612,7 +612,7 @@ def time_history(
     structure: Structure,
     motion: AnyMotion | None,
     shaking: Grid | str | None = None,
-    methods: Sequence[Method] = (),
+    methods: Method | str | Sequence[Method | str] = (),
     *,
     release: float = 0.0,
     duration: float | None = None,
@@ -630,8 +630,9 @@ def time_history(
         amplitude and frequency, a grid of one cell or its text; a record does not need
         it
     methods
-        the equations of motion, empty for the nonlinear one if the geometry is known
-        and the motion has units, else the linear one
+        the equations of motion or their names, such as "linear"; empty for the
+        nonlinear one if the geometry is known and the motion has units, else the linear
+        one
     release
         theta/alpha at the start [-], from 0 to below 1
     duration
@@ -657,7 +658,7 @@ def time_history(
     """
     structure = structure_from(structure)
     moved, shaking = (STILL, None) if motion is None else demand_of(motion, shaking)
-    methods = methods or [
+    several = methods_of(methods) or [
         governing_method(
             structure, dimensionless=shaking is not None and shaking.dimensionless
         )
@@ -689,7 +690,7 @@ def time_history(
                 release=release,
                 duration=tau,
             )
-            for m in methods
+            for m in several
         }
     except ValueError as error:
         raise UsageError(f"{structure.name}: {error}") from None

@@ -171,7 +171,7 @@ def envelope(
     motion: AnyMotion,
     axis: Axis | str | None = None,
     *,
-    method: Method | None = None,
+    method: Method | str | None = None,
     a_max: float = A_MAX,
     sign: str = "worse",
     workers: int | None = None,
@@ -192,8 +192,8 @@ def envelope(
     axis
         of frequencies, or its text such as "f_g=0.5:5:10"; None for a record
     method
-        model and tolerance; None for the nonlinear model if the geometry is known and
-        the axis has units, else the linear one
+        model and tolerance, or the name of the model; None for the nonlinear model if
+        the geometry is known and the axis has units, else the linear one
     a_max
         largest A of the search [-]
     sign
@@ -226,9 +226,8 @@ def envelope(
     structure = structure_from(structure)
     axis = frequency_axis(axis) if isinstance(axis, str) else axis
     motion = read_if_named(motion)
-    method = method or governing_method(
-        structure, dimensionless=axis is not None and axis.name == "Omega"
-    )
+    bare = axis is not None and axis.name == "Omega"
+    method = Method.of(method or governing_method(structure, dimensionless=bare))
     if isinstance(motion, Motion):
         if axis is None:
             raise UsageError(

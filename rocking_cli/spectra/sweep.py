@@ -165,7 +165,7 @@ def spectrum(
     motion: AnyMotion,
     grid: Grid | str | None = None,
     *,
-    method: Method | None = None,
+    method: Method | str | None = None,
     **options: Any,
 ) -> Spectrum:
     """Return the rocking spectrum of structures over a grid, in memory (section 2 of
@@ -182,8 +182,8 @@ def spectrum(
         the cells, A and Omega, or a_g and a frequency, or a text that states them; a
         record needs none, and parse_grid(..., own_time=True) scales it
     method
-        the equation of motion; None for the nonlinear one if all geometries are known
-        and the axes have units, else the linear one
+        the equation of motion or its name, such as "linear"; None for the nonlinear one
+        if all geometries are known and the axes have units, else the linear one
     options
         `workers`: number of processes, None for all cores; `check`: number of cells
         that the reference computes again; `quantities`: more variables, such as
@@ -220,7 +220,7 @@ def _pulse_scene(
     structures: Sequence[RockingParameters],
     motion: Motion,
     grid: Grid,
-    method: Method | None,
+    method: Method | str | None,
 ) -> PulseScene:
     """Return the scene of structures under a pulse, by the governing equation unless a
     method is given.
@@ -229,7 +229,9 @@ def _pulse_scene(
         tuple(structures),
         grid,
         motion,
-        method or governing_method(*structures, dimensionless=grid.dimensionless),
+        Method.of(
+            method or governing_method(*structures, dimensionless=grid.dimensionless)
+        ),
     )
 
 
@@ -264,7 +266,7 @@ def write_spectrum(
     grid: Grid | str,
     path: str | Path,
     *,
-    method: Method | None = None,
+    method: Method | str | None = None,
     **options: Any,
 ) -> Summary:
     """Compute a spectrum of structures under a pulse and stream it into an HDF5 file.

@@ -6,12 +6,10 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Union
 
-from ..documents.files import is_document_text
 from ..errors import UsageError
 from . import (
     build_structure,
     load_structures,
-    on_each_interface,
     read_documents,
     with_distinct_names,
 )
@@ -37,17 +35,8 @@ def documents_from(
         several = given
     found: list[Document] = []
     for one in several:
-        found += _read(one) if isinstance(one, str | Path) else [one]
+        found += read_documents(one) if isinstance(one, str | Path) else [one]
     return found
-
-
-def _read(given: str | Path) -> "list[Document]":
-    """Return the documents of a path or of a text. Raises as `documents_from`."""
-    if isinstance(given, str) and is_document_text(given):
-        from ..documents.parsing import parse_documents
-
-        return parse_documents(given)
-    return read_documents(given)
 
 
 def document_from(given: "Document | str | Path") -> "Document":
@@ -75,9 +64,6 @@ def structures_from(given: Structure | Sequence[Structure]) -> list[RockingParam
     for one in several:
         if isinstance(one, RockingParameters):
             found.append(one)
-        elif isinstance(one, str) and is_document_text(one):
-            documents = [x for d in _read(one) for x in on_each_interface(d)]
-            found += map(build_structure, documents)
         elif isinstance(one, str | Path):
             found += load_structures(one)
         else:
