@@ -23,7 +23,7 @@ _MADE = {
     "RockingParameters": "load_structures",
     "Document": "read_documents",
     "Motion": "sine, pulse, read_motion",
-    "HasMotion": "read_record, load_records",
+    "HasMotion": "read_record, load_records, or Record.of for an array",
     "Record": "read_record",
     "Recording": "load_records",
     "Grid": "parse_grid",
