@@ -386,6 +386,6 @@ def test_a_record_of_an_array_is_that_of_a_file_of_its_numbers(tmp_path):
     assert found.dt == wanted.dt
     samples[0] = 9.0  # of the caller
     assert found.acceleration[0] == 0.0
-    for given, said in (("abc", "expected samples"), ([[1.0, 2.0]], r"shape \(1, 2\)")):
+    for wrong, said in (("abc", "expected samples"), ([[1.0, 2.0]], r"shape \(1, 2\)")):
         with pytest.raises(ArgumentError, match=said):
-            Record.of(given, 0.02)
+            Record.of(wrong, 0.02)
