@@ -49,9 +49,9 @@ from .motions.buildings import parse_building as parse_building
 from .motions.design_spectra import FloorMode as FloorMode
 from .motions.design_spectra import SpectrumFile as SpectrumFile
 from .motions.design_spectra import read_spectrum as read_spectrum
+from .motions.given import HasMotion as HasMotion
 from .motions.grid import Axis as Axis
 from .motions.grid import Grid as Grid
-from .motions.grid import HasMotion as HasMotion
 from .motions.grid import parse_grid as parse_grid
 from .motions.intensity import Intensity as Intensity
 from .motions.intensity import intensity as intensity

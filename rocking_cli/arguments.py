@@ -23,7 +23,7 @@ _MADE = {
     "RockingParameters": "load_structures",
     "Document": "read_documents",
     "Motion": "sine, pulse, read_motion",
-    "HasMotion": "read_record, load_records",
+    "HasMotion": "read_record, load_records, or Record.of for an array",
     "Record": "read_record",
     "Recording": "load_records",
     "Grid": "parse_grid",
@@ -303,7 +303,9 @@ def _wanted(hint: Any) -> str:
     options = _options(hint)
     if {str, Path} <= set(options):
         rest = [one for one in options if one not in (str, Path)]
-        return " or ".join(["a path (a text or a Path)", *map(_wanted, rest)])
+        pulse = any(getattr(one, "__name__", "") == "Motion" for one in rest)
+        path = f"{'the name of a pulse or ' * pulse}a path (a text or a Path)"
+        return " or ".join([path, *map(_wanted, rest)])
     if len(options) > 1:
         return " or ".join(dict.fromkeys(map(_wanted, options)))
     if hint in _PLAIN:
@@ -313,6 +315,8 @@ def _wanted(hint: Any) -> str:
         return "a function"
     if origin is tuple:
         return f"a tuple of ({', '.join(map(_wanted, inner))})"
+    if isinstance(origin, type) and issubclass(origin, Mapping):
+        return "a dictionary"
     if _is_list(hint):
         return f"a list of {_many(inner[0])}" if inner else "a list"
     named = _named(hint)

@@ -179,8 +179,8 @@ SENTENCES = [
         "found pulse 'nope'; expected one of sine",
     ),
     (
-        lambda: rocking_cli.time_history(BLOCK, sine(), GRID, "linear"),
-        "`methods`: found the text 'linear'; expected a list of Method",
+        lambda: rocking_cli.time_history(BLOCK, sine(), GRID, 3.0),
+        "`methods`: found the number 3.0; expected a Method or a text or a list",
     ),
     (
         lambda: rocking_cli.export_fragility([], "f.xml"),

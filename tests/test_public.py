@@ -32,6 +32,8 @@ from rocking_cli.commands.help import page
 
 PUBLIC = {name: getattr(rocking_cli, name) for name in dir(rocking_cli)}
 ELSEWHERE = {
+    "AnyMotion",
+    "Shake",
     "Any",
     "Array",
     "Axes",
@@ -40,6 +42,7 @@ ELSEWHERE = {
     "Iterable",
     "Iterator",
     "Mapping",
+    "NoneType",
     "Path",
     "Sequence",
     "Structure",
@@ -161,6 +164,91 @@ def test_a_record_needs_no_grid():
         rocking_cli.trace_envelope(block, recording, [6.28])
     with pytest.raises(UsageError, match="expected no axis"):
         rocking_cli.envelope(block, recording, "f_g=1")
+
+
+TWO_PULSES = "configs/motions/two_pulses.yaml"
+TEXT = Path(TWO_PULSES).read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize(
+    "given",
+    [
+        TWO_PULSES,
+        Path(TWO_PULSES),
+        TEXT,
+        parse_documents(TEXT)[0],
+    ],
+    ids=["path", "Path", "text", "document"],
+)
+def test_a_motion_may_be_a_path_a_text_or_a_document(given):
+    demand = "a_g=0.35g,f_g=1.5"
+    wanted = rocking_cli.check(
+        "block:0.5x2", rocking_cli.read_motion(TWO_PULSES), demand, a_max=None
+    )
+    found = rocking_cli.check("block:0.5x2", given, demand, a_max=None)
+    assert found.theta_ratio == wanted.theta_ratio
+
+
+def test_a_motion_may_be_the_name_of_a_pulse_and_a_record_its_path():
+    record, demand = "configs/motions/synthetic.at2", "a_g=0.4g,f_g=1"
+    block = "configs/block.yaml"
+    of_name, of_object = (
+        rocking_cli.time_history(block, motion, demand).outcome("nonlinear")
+        for motion in ("sine", sine())
+    )
+    assert of_name == of_object
+    (recording,) = rocking_cli.load_records(record)
+    assert rocking_cli.intensity(record) == recording.intensity
+    assert rocking_cli.envelope(block, record, a_max=2.0) == rocking_cli.envelope(
+        block, recording, a_max=2.0
+    )
+    of_texts = rocking_cli.boundaries(block, "width=0.4:0.8:3", "sine", demand)
+    assert of_texts == rocking_cli.boundaries(
+        rocking_cli.read_documents(block)[0],
+        rocking_cli.parse_variation("width=0.4:0.8:3"),
+        [(sine(), parse_grid(demand))],
+    )
+
+
+@pytest.mark.parametrize(
+    ("motion", "said"),
+    [
+        (
+            "sien",
+            "unknown pulse 'sien'; .*did you mean 'sine'.*or the path of a motion",
+        ),
+        ("site.at2", "site.at2: cannot be read: No such file"),
+        ("{points: [[0, 1]]}", "<text>:1:10: points: found 1 entries"),
+        ("configs/block.yaml", "found neither pieces nor points"),
+        (3.0, "found the number 3.0; expected the name of a pulse or a path"),
+    ],
+)
+def test_a_wrong_motion_is_told_in_one_sentence(motion, said):
+    with pytest.raises(RockingError, match=said):
+        rocking_cli.check("block:0.5x2", motion, "a_g=0.35g,f_g=1.5")
+
+
+def test_an_equation_may_be_its_name_and_an_outcome_its_word():
+    column, demand = "{kind: block, width: 0.5, height: 2}", "a_g=0.35g,f_g=1.5"
+    found = rocking_cli.time_history(column, "sine", demand, "linear")
+    wanted = rocking_cli.time_history(
+        load_structures("block:0.5x2")[0], sine(), demand, [rocking_cli.Method()]
+    )
+    assert [row["theta"] for row in found.rows()] == [
+        row["theta"] for row in wanted.rows()
+    ]
+    outcome = found.outcome("linear")
+    assert outcome == "rocked"
+    assert outcome != "overturned_no_impact"
+    assert {outcome: 1}[2] == 1
+    with pytest.raises(UsageError, match=r"unknown model 'liner'.*did you mean"):
+        rocking_cli.time_history(column, "sine", demand, "liner")
+
+
+def test_a_hazard_curve_may_be_the_path_of_its_file():
+    path = "configs/hazard.csv"
+    wanted = rocking_cli.annual_rate(1.5, 0.3, rocking_cli.read_hazard(path))
+    assert rocking_cli.annual_rate(1.5, 0.3, path) == wanted
 
 
 def sections(thing):

@@ -11,19 +11,27 @@ import rocking_cli
 from rocking_cli import (
     ArgumentError,
     Curve,
+    HazardCurve,
     OutputError,
     UsageError,
+    boundaries,
     closed_form_curves,
+    code_check,
     draw,
     draw_structures,
     drawn_verdict,
     envelope,
+    intensity,
     load_records,
     load_structures,
     parse_documents,
+    parse_grid,
+    pulse,
     read_documents,
+    read_motion,
     read_record,
     sine,
+    slide_history,
     spectrum,
     time_history,
     trace_envelope,
@@ -49,6 +57,14 @@ RESULTS = {
     ),
     "interval": trace_envelope("block:0.5x2", sine(), [3.0])[0],
     "point": closed_form_curves([3.0], 0.9)[0],
+    "record's motion": read_motion("configs/motions/synthetic.at2"),
+    "pulse": pulse("ricker-symmetric"),
+    "intensity": intensity("configs/motions/synthetic.at2"),
+    "summary": SPECTRUM.summary,
+    "code": code_check("block:0.5x2", "sine", DEMAND),
+    "slide": slide_history("block:0.5x2,friction=0.2", "sine", DEMAND),
+    "boundary": boundaries("block:0.5x2", "width=0.5:0.6:2", "sine", DEMAND)[0][0],
+    "hazard": HazardCurve([0.5, 1.0], [1e-2, 1e-3]),
 }
 
 
@@ -64,6 +80,17 @@ def test_a_result_is_shown_in_at_most_fifteen_lines(name):
     cells = re.findall(r"<td[^>]*>(.*?)</td>", table)
     for line in lines[1:4]:  # the same texts
         assert html.escape(line.split("  ")[-1].strip()) in cells
+
+
+def test_inputs_show_themselves_in_a_line():
+    (document,) = read_documents("configs/parameters.yaml")
+    assert repr(document) == (
+        f"Document(configs/parameters.yaml: {', '.join(document.values)})"
+    )
+    axis = parse_grid("a_g=0.1g:1g:50,f_g=0.5:5:40").amplitude
+    assert repr(axis) == "Axis(a_g: 50 values, 0.981 to 9.81 m/s2)"
+    found = rocking_cli.linear_response("sine", [0.9, 1.5, 1.6], 6.0, 0.9)
+    assert repr(found) == "Response(3 cells: 1 no_uplift, 2 rocked)"
 
 
 def test_a_verdict_tells_its_capacity_to_pandas():
@@ -134,6 +161,7 @@ def test_a_response_in_memory_goes_into_one_axes(axes):
         trace_envelope("block:0.5x2", sine(), [3.0, 4.0]),
         closed_form_curves([3.0, 4.0], 0.9),
         envelope("block:0.5x2", sine(), "f_g=1:1.5:2"),
+        load_records("configs/motions/synthetic.at2", scale=2.0),
     ],
     ids=lambda result: type(result).__name__,
 )

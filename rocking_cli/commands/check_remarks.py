@@ -83,10 +83,10 @@ def _conditions() -> list[tuple[str, Callable[[Verdict], Any]]]:
         ),
         (
             (
-                "lose contact with the ground (fz_min) during their fall, which is"
-                " therefore not proved"
+                "lose contact with the ground during their fall, which is therefore not"
+                " proved"
             ),
-            lambda v: v.outcome.overturned and v.fz_min is not None and v.fz_min <= 0.0,
+            lambda v: v.lost_in_fall,
         ),
         (
             (

@@ -17,7 +17,6 @@ if TYPE_CHECKING:
     from ..responses.solving import Boundary
 
 COLUMNS = ("structure", "key", "value", "side", "capacity_demand")
-_SCAN = 17  # values of a range that states no number
 
 
 @dataclass(frozen=True)
@@ -67,7 +66,7 @@ def solve(
     0.5:2) the worst one counts. Two boundaries between neighbouring values of the scan
     may be missed. The equation is the governing one, as in rocking check.
     """
-    from ..responses.solving import boundaries
+    from ..responses.solving import SCAN, boundaries
     from ..structures.family import parse_variation
 
     figure.check()
@@ -77,7 +76,7 @@ def solve(
     documents = options.documents_of(files)
     options.introduce(list(options.built_if_whole(documents)))
     shakes = (shaken.reversed if sign == "-" else shaken).needed()
-    varied = parse_variation(wanted.vary, _SCAN)
+    varied = parse_variation(wanted.vary, SCAN)
 
     rows: list[dict[str, Any]] = []
     remarks: list[str] = []

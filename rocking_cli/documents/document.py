@@ -87,6 +87,10 @@ class Document:
     within: tuple[Document, str] | None = None
     cells: tuple[Cell, ...] = ()  # of a row of a table, whose other columns are labels
 
+    def __repr__(self) -> str:
+        number = f", document {self.index + 1}" * (self.index > 0)
+        return f"Document({self.source}{number}: {', '.join(self.values)})"
+
     def has(self, key: str) -> bool:
         """True if the key has a value that is not null.
 

@@ -13,6 +13,13 @@ STDIN = "<stdin>"
 _PATIENCE = 2.0  # s that a pipe may be without a writer
 
 
+def is_document_text(given: str) -> bool:
+    """True for the text of a document itself, which no path looks like."""
+    return "\n" in given or (
+        given.lstrip().startswith("{") and not os.path.exists(given)
+    )
+
+
 def read_bytes(path: str | Path) -> tuple[str, bytes]:
     """Return (source name, content) of a file. Raises UsageError (it cannot be read) or
     DocumentError (it is too large).

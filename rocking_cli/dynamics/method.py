@@ -135,6 +135,21 @@ class Method:
     model: str = MODELS[0]  # one of `MODELS`
     tolerance: float = TOLERANCE  # of theta/alpha [-]; an exact model ignores it
 
+    @classmethod
+    def of(cls, given: "Method | str") -> "Method":
+        """Return a method, or that of a model with the usual tolerance.
+
+        Parameters
+        ----------
+        given
+            a method, "linear" or "nonlinear"
+
+        Returns
+        -------
+        Method
+        """
+        return given if isinstance(given, Method) else cls(given)
+
     def __post_init__(self) -> None:
         if self.model not in MODELS:
             raise UsageError(
@@ -392,6 +407,15 @@ class Method:
 
 
 LINEAR = Method()
+
+
+def methods_of(given: Method | str | Sequence[Method | str]) -> list[Method]:
+    """Return the methods of one or several, each itself or its model. Raises
+    UsageError for an unknown model.
+    """
+    if isinstance(given, Method | str):
+        return [Method.of(given)]
+    return [Method.of(one) for one in given]
 
 
 def governing_method(

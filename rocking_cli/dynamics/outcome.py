@@ -38,11 +38,18 @@ class _Code(IntEnum):
         """The word that files and tables use."""
         return self.name.lower()
 
+    def __eq__(self, other: object) -> bool:
+        """True for the same code, or for its word."""
+        return self.flag == other if isinstance(other, str) else int(self) == other
+
+    __hash__ = int.__hash__
+
 
 class Outcome(_Code):
     """What became of a body: the outcome codes of `Response` and of spectra files.
 
-    `flag` is the word that files and tables use, `sentence` says it in words;
+    `flag` is the word that files and tables use, to which an outcome is equal;
+    `sentence` says it in words;
     `overturned`, `falls` and `safe` sort the outcomes. The functions `overturned` and
     `safe` do so for arrays. The colours are those of Okabe and Ito, which colour-blind
     people can tell apart.

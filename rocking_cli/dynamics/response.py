@@ -5,7 +5,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from ..errors import UsageError, did_you_mean
+from ..errors import UsageError, counted, did_you_mean
+from ..motions.given import AnyMotion, motion_from
 from ..motions.motion import Motion
 from ..motions.segments import Chain
 from .batch import Batch
@@ -50,6 +51,13 @@ class Response(NamedTuple):
     outcome: Array  # codes of `Outcome`, (cells,)
     impacts: Array  # counts, (cells,)
     work: Work  # counters of all cells
+
+    def __repr__(self) -> str:
+        codes, numbers = np.unique(self.outcome, return_counts=True)
+        found = [
+            f"{n} {Outcome(int(c)).flag}" for c, n in zip(codes, numbers, strict=True)
+        ]
+        return f"Response({counted(self.outcome.size, 'cell')}: {', '.join(found)})"
 
     @classmethod
     def joined(cls, parts: Sequence["Response"]) -> "Response":
@@ -97,7 +105,7 @@ def cheaper(system: System, motion: Motion, cells: int) -> str:
 
 def response(
     system: System,
-    motion: Motion,
+    motion: AnyMotion,
     amplitude: Array | float,
     omega: Array | float,
     eta: Array | float,
@@ -117,7 +125,7 @@ def response(
     system
         the equation of motion on its contact, such as `Method().system_of(structure)`
     motion
-        the motion of the ground
+        the motion of the ground: an object, the name of a pulse, or a path
     amplitude
         A = a_scale a_g / (alpha g) [-], finite, not negative
     omega
@@ -157,6 +165,7 @@ def response(
     >>> Outcome(int(found.outcome)).flag, round(float(found.theta_ratio), 6)
     ('rocked', 0.15645)
     """
+    motion = motion_from(motion)
     shape, cells = _flat(amplitude, omega, eta)
     if not (np.all(np.isfinite(cells[0])) and np.all(cells[0] >= 0.0)):
         raise ValueError("amplitude must be finite and not negative")
@@ -437,7 +446,7 @@ def chains(system: System, motion: Motion) -> bool:
 
 
 def linear_response(
-    motion: Motion,
+    motion: AnyMotion,
     amplitude: Array,
     omega: Array,
     eta: Array | float,
@@ -453,7 +462,7 @@ def linear_response(
     Parameters
     ----------
     motion
-        the motion of the ground
+        the motion of the ground: an object, the name of a pulse, or a path
     amplitude
         A = a_scale a_g / (alpha g) [-], finite, not negative
     omega
@@ -494,7 +503,7 @@ def linear_response(
 
 
 def nonlinear_response(
-    motion: Motion,
+    motion: AnyMotion,
     amplitude: Array,
     omega: Array,
     eta: Array | float,
@@ -512,7 +521,7 @@ def nonlinear_response(
     Parameters
     ----------
     motion
-        the motion of the ground
+        the motion of the ground: an object, the name of a pulse, or a path
     amplitude
         A = a_g / (alpha g) [-], finite, not negative; the body lifts at
         A = tan(alpha)/alpha

@@ -17,7 +17,8 @@ from ..dynamics.method import LINEAR, Method
 from ..dynamics.outcome import Outcome
 from ..errors import UsageError
 from ..motions import Motion, pulse
-from ..motions.grid import Axis, HasMotion, parse_axes, scaled_frequency, written_axes
+from ..motions.given import AnyMotion, motion_from
+from ..motions.grid import Axis, parse_axes, scaled_frequency, written_axes
 from ..processes import available_cpus, processes, refuse_endless
 from ..showing import html_table
 from ..structures.given import Structure, structure_from
@@ -86,10 +87,10 @@ class Interval(NamedTuple):
 
 def trace_envelope(
     structure: Structure,
-    motion: Motion | HasMotion,
+    motion: AnyMotion,
     omegas: Sequence[float] | np.ndarray,
     *,
-    method: Method = LINEAR,
+    method: Method | str = LINEAR,
     a_max: float = A_MAX,
     sign: str = "worse",
     workers: int | None = None,
@@ -107,12 +108,12 @@ def trace_envelope(
         parameters, a document, a path, or a text such as "block:0.5x2"; of
         `dimensionless_oscillator(eta)` only the restitution is known
     motion
-        the motion of the ground
+        the motion of the ground: an object, the name of a pulse, or a path
     omegas
         Omega [-], (frequencies,); under a record only 1/p, since a record has its own
         time
     method
-        model and tolerance
+        model and tolerance, or the name of the model
     a_max
         largest A of the search [-]
     sign
@@ -145,7 +146,7 @@ def trace_envelope(
     3.63115 None
     """
     structure = structure_from(structure)
-    motion = motion if isinstance(motion, Motion) else motion.motion
+    motion, method = motion_from(motion), Method.of(method)
     omegas = np.atleast_1d(np.asarray(omegas, dtype=float))
     if (
         motion.acceleration is not None

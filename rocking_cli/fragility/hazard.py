@@ -15,12 +15,15 @@ Nothing is counted outside the points; H(x_last) bounds the part beyond the last
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from ..arguments import check_fields
 from ..errors import UsageError
 from ..motions.intensity_measures import measure_of
+from ..showing import Shown
 
 Array = np.ndarray
 RATE_COLUMNS = (
@@ -35,8 +38,8 @@ RATE_COLUMNS = (
 )
 
 
-@dataclass(frozen=True, eq=False)
-class HazardCurve:
+@dataclass(frozen=True, eq=False, repr=False)
+class HazardCurve(Shown):
     """The annual rates at which levels of an intensity measure are exceeded.
 
     `read_hazard` reads one of a file; `annual_rate` and `fragility` take it. Between
@@ -81,6 +84,17 @@ class HazardCurve:
             and np.all(np.diff(self.rate) <= 0.0)
         ):
             raise UsageError("hazard curve: expected positive rates that do not rise")
+
+    def _shown(self) -> dict[str, Any]:
+        return {
+            "im": self.im,
+            "levels": f"{self.x.size}: {self.x[0]:.4g} to {self.x[-1]:.4g}",
+            "annual_rate": f"{self.rate[0]:.4g} to {self.rate[-1]:.4g}",
+        }
+
+    def _rows(self) -> list[dict[str, Any]]:
+        pairs = zip(self.x.tolist(), self.rate.tolist(), strict=True)
+        return [{"im": self.im, "x": x, "annual_rate": rate} for x, rate in pairs]
 
     def __call__(self, x: Array | float) -> Array:
         """Return H [1/year] at levels x [SI], in the shape of x; outside the points the
@@ -271,7 +285,7 @@ class Rate:
         return found
 
 
-def annual_rate(median: float, beta: float, hazard: HazardCurve) -> float:
+def annual_rate(median: float, beta: float, hazard: HazardCurve | str | Path) -> float:
     """Return the annual rate of a limit state whose capacity is lognormal.
 
     Parameters
@@ -281,7 +295,7 @@ def annual_rate(median: float, beta: float, hazard: HazardCurve) -> float:
     beta
         dispersion [-], positive
     hazard
-        the hazard curve of the site
+        the hazard curve of the site, or the path of a file that `read_hazard` reads
 
     Returns
     -------
@@ -310,4 +324,8 @@ def annual_rate(median: float, beta: float, hazard: HazardCurve) -> float:
         raise UsageError(
             f"found median = {median:g} and beta = {beta:g}; expected positive numbers"
         )
+    if isinstance(hazard, str | Path):
+        from .hazard_files import read_hazard
+
+        hazard = read_hazard(hazard)
     return float(hazard.rate_of(np.array(math.log(median)), np.array(beta)))

@@ -14,8 +14,8 @@ import numpy as np
 from ..dynamics.method import LINEAR, Method, governing_method
 from ..dynamics.outcome import Outcome
 from ..errors import UsageError, did_you_mean
+from ..motions.given import HasMotion, recordings_from
 from ..motions.intensity_measures import Measure, measure_of
-from ..motions.recording import Recording
 from ..spectra.sweep import SweepOptions
 from ..structures.given import Structure, structures_from
 from ..structures.parameters import RockingParameters
@@ -44,6 +44,7 @@ from .fitted_curve import (
     word_of,
 )
 from .hazard import HazardCurve, Rate
+from .hazard_files import read_hazard
 from .measures import MotionMember, members_of
 
 Array = np.ndarray
@@ -310,16 +311,16 @@ def _is_lifted(member: MotionMember) -> bool:
 
 def fragility(
     structures: Structure | Sequence[Structure],
-    records: Sequence[Recording],
+    records: str | Path | Sequence[HasMotion | str | Path],
     levels: Sequence[float] | Array,
     im: str = "PGA",
     *,
     limits: Sequence[float | None] = LIMITS,
     methods: Sequence[str] = ("stripes",),
-    method: Method | None = None,
+    method: Method | str | None = None,
     how: Resampling | None = None,
     workers: int | None = None,
-    hazard: HazardCurve | None = None,
+    hazard: HazardCurve | str | Path | None = None,
 ) -> list[Fit]:
     """Return the fragility curves of structures under records, as `rocking fragility`
     does.
@@ -329,7 +330,8 @@ def fragility(
     structures
         one or more: parameters, documents, paths, or texts such as "block:0.5x2"
     records
-        the records, each scaled to every level; see `load_records`
+        the records, each scaled to every level: those of `load_records`, or the path of
+        a folder, or paths
     levels
         levels of the measure [SI], positive and rising, (k,)
     im
@@ -340,13 +342,14 @@ def fragility(
     methods
         some of "stripes", "first" and "cloud"
     method
-        the equation of motion; None for the nonlinear one if all geometries are known
+        the equation of motion or its name, such as "linear"; None for the nonlinear one
+        if all geometries are known
     how
         options of the bootstrap, None for 1000 samples
     workers
         number of processes, None for all cores
     hazard
-        a hazard curve of the same measure, for annual rates
+        a hazard curve of the same measure, or the path of its file, for annual rates
 
     Returns
     -------
@@ -369,6 +372,8 @@ def fragility(
     """
     bodies = structures_from(structures)
     measure, x = measure_of(im), check_levels(np.asarray(levels, dtype=float))
+    if isinstance(hazard, str | Path):
+        hazard = read_hazard(hazard, im)
     if hazard is not None and hazard.im != measure.name:
         raise UsageError(
             f"found a hazard curve of {hazard.im}; expected {measure.name}, the measure"
@@ -381,7 +386,10 @@ def fragility(
                 f" {', '.join(METHODS)}{did_you_mean(word, METHODS)}"
             )
     motions = MotionSet(
-        members_of(records), measure, x, method or governing_method(*bodies)
+        members_of(recordings_from(records)),
+        measure,
+        x,
+        Method.of(method or governing_method(*bodies)),
     )
     exact, sweep = hazard is not None and None in limits, SweepOptions(workers=workers)
     each = list(

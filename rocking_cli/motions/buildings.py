@@ -27,6 +27,7 @@ import numpy as np
 from ..documents.quantities import quantity_at
 from ..errors import UsageError
 from .blocks import largest
+from .given import AnyMotion, motion_from
 from .motion import Floor, Motion, Piece, upwards
 from .polyline import Polyline
 
@@ -286,8 +287,8 @@ def _states(grows: Array, forced: Array) -> Array:
 
 
 def floor_of(
-    ground: Motion,
-    building: Building,
+    ground: AnyMotion,
+    building: Building | str,
     a_g: float | None = None,
     omega: float = 1.0,
     name: str = "",
@@ -299,9 +300,9 @@ def floor_of(
     ----------
     ground
         a record, or a pulse of one amplitude and frequency, with its vertical motion,
-        which is not filtered
+        which is not filtered: an object, the name of a pulse, or a path
     building
-        the modes that move the floor
+        the modes that move the floor, or a text such as "T=0.4,xi=0.05"
     a_g
         amplitude of the ground [m/s2], None for that of a record
     omega
@@ -321,11 +322,14 @@ def floor_of(
 
     Examples
     --------
-    >>> ground = read_motion('configs/motions/synthetic.at2')
-    >>> floor = floor_of(ground, parse_building(['T=0.4,xi=0.05,gamma_psi=1.3']))
+    >>> ground = 'configs/motions/synthetic.at2'
+    >>> floor = floor_of(ground, 'T=0.4,xi=0.05,gamma_psi=1.3')
     >>> round(floor.largest * floor.acceleration, 3), floor.floor.chord < 1e-3
     (8.463, True)
     """
+    ground = motion_from(ground)
+    if isinstance(building, str):
+        building = Building((_parse_mode(building),))
     whole = _Steps.of(ground, omega)
     parts = 1
     while True:

@@ -10,7 +10,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Self
+from typing import Any, Self
 
 import numpy as np
 
@@ -19,6 +19,7 @@ from ..documents.quantities import parse_quantity, quantity_at, split_quantity
 from ..documents.table import Cell, rows_of
 from ..documents.texts import text_of
 from ..errors import DocumentError, UsageError, counted
+from ..showing import Shown
 from .blocks import largest
 from .motion import Motion
 from .records.record import Record
@@ -91,8 +92,8 @@ class MotionSpectrum:
         return float(found[i])
 
 
-@dataclass(frozen=True, eq=False)
-class SpectrumFile:
+@dataclass(frozen=True, eq=False, repr=False)
+class SpectrumFile(Shown):
     """A design spectrum: S_a at 5 % damping, straight lines between its points.
 
     `read_spectrum` makes one of a CSV file, `code_check` takes it. For another damping
@@ -117,6 +118,19 @@ class SpectrumFile:
     name: str  # of the file
     periods: Array  # T of the points [s], rising, (n,)
     values: Array  # S_a at the points [m/s2], (n,)
+
+    def _shown(self) -> dict[str, Any]:
+        first, last = self.periods[0], self.periods[-1]
+        return {
+            "spectrum": self.name,
+            "periods": f"{self.periods.size}: {first:.4g} to {last:.4g} s",
+            "pga": self.pga,
+            "largest S_a [m/s2]": float(self.values.max()),
+        }
+
+    def _rows(self) -> list[dict[str, float]]:
+        pairs = zip(self.periods.tolist(), self.values.tolist(), strict=True)
+        return [{"T": period, "s_a": value} for period, value in pairs]
 
     @property
     def pga(self) -> float:

@@ -6,7 +6,6 @@ import math
 import zlib
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 
@@ -18,7 +17,7 @@ from ..documents.quantities import (
     split_quantity,
     with_a_point,
 )
-from ..errors import UsageError, did_you_mean
+from ..errors import UsageError, counted, did_you_mean
 from ..structures.parameters import RockingParameters
 from .motion import Motion
 
@@ -111,6 +110,15 @@ class Axis:
             raise UsageError(
                 f"axis alpha: found {v[-1]:g} rad; expected angles below a right one"
             )
+
+    def __repr__(self) -> str:
+        first, last = f"{self.values[0]:.4g}", f"{self.values[-1]:.4g}"
+        span = first if self.values.size == 1 else f"{first} to {last}"
+        unit = {"1": "", "m s-2": " m/s2", "rad s-1": " rad/s"}
+        return (
+            f"Axis({self.name}: {counted(self.values.size, 'value')},"
+            f" {span}{unit.get(AXES[self.name][0], ' ' + AXES[self.name][0])})"
+        )
 
     def stated(self) -> list[float | int]:
         """Return [first value, last value, number of values, CRC-32 of the values], to
@@ -295,60 +303,6 @@ OWN_TIME = Axis("omega_g", np.array([1.0]))
 def as_recorded(acceleration: float) -> Grid:
     """Return the grid of one cell of a record with this PGA [m/s2]."""
     return Grid(Axis("a_g", np.array([acceleration])), OWN_TIME)
-
-
-class HasMotion(Protocol):
-    """Something with a motion of its own: a `Record` or a `Recording`.
-
-    Functions that take a `Motion` take one of these too; it then needs no grid.
-
-    Examples
-    --------
-    >>> (recording,) = load_records("configs/motions/synthetic.at2")
-    >>> (column,) = load_structures("configs/block.yaml")
-    >>> check(column, recording, a_max=None).motion
-    'synthetic'
-    """
-
-    @property
-    def motion(self) -> Motion:
-        """The motion."""
-
-
-def demand_of(
-    motion: Motion | HasMotion, shaking: Grid | str | None
-) -> tuple[Motion, Grid]:
-    """Return the motion and its grid of one cell, which may be a text; a record without
-    a grid has its own amplitude.
-
-    Raises UsageError for another motion without a grid, and for a grid of several
-    cells.
-    """
-    found, grid = with_grid(motion, shaking)
-    grid.require_one_cell()
-    return found, grid
-
-
-def with_grid(
-    motion: Motion | HasMotion, grid: Grid | str | None
-) -> tuple[Motion, Grid]:
-    """Return the motion and its grid, which may be a text; a record without a grid has
-    its own amplitude.
-
-    Raises UsageError for another motion without a grid.
-    """
-    found = motion if isinstance(motion, Motion) else motion.motion
-    if isinstance(grid, str):
-        grid = parse_grid(grid, own_time=found.acceleration is not None)
-    if grid is not None:
-        return found, grid
-    if found.acceleration is None:
-        one = "parse_grid('a_g=0.3g,f_g=1')"
-        raise UsageError(
-            f"{found.name}: no grid; expected one, such as {one}, which only a record"
-            " does not need"
-        )
-    return found, as_recorded(found.acceleration)
 
 
 def demand_in_words(shakes: Sequence[tuple[Motion, Grid]]) -> str:

@@ -4,18 +4,20 @@ lines, without any correction.
 
 import math
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 
 from ..documents.quantities import DEFAULT_GRAVITY
+from ..showing import Shown
 from .blocks import largest
-from .records import Record
+from .records import Record, record_from
 
 Array = np.ndarray
 
 
-@dataclass(frozen=True)
-class Intensity:
+@dataclass(frozen=True, repr=False)
+class Intensity(Shown):
     """The intensity measures of a record, as `intensity` returns them.
 
     Attributes
@@ -45,15 +47,18 @@ class Intensity:
     d5_75: float  # duration from 5 to 75 % of the Arias intensity [s]
     d5_95: float  # duration from 5 to 95 % of the Arias intensity [s]
 
+    def _shown(self) -> dict[str, float]:
+        return vars(self)
 
-def intensity(record: Record) -> Intensity:
+
+def intensity(record: Record | str | Path) -> Intensity:
     """Return the intensity measures of a record; velocity and displacement start at
     zero.
 
     Parameters
     ----------
     record
-        as recorded; a factor of a `Recording` does not count
+        as recorded, or the path of its file
 
     Returns
     -------
@@ -71,6 +76,7 @@ def intensity(record: Record) -> Intensity:
     >>> round(measured.pga, 3), round(measured.pgv, 3)
     (3.924, 0.67)
     """
+    record = record_from(record)
     a, dt = record.acceleration, record.dt
     a0, a1 = a[:-1], a[1:]
     v = _sums(0.5 * dt * (a0 + a1))

@@ -11,11 +11,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from ..errors import MotionError
+from ..showing import Shown
 from .segments import Samples, Segments, largest_from
 from .sinusoids import isolated_extremes
 
@@ -85,8 +86,8 @@ def plus(a: Piece, b: Piece) -> Piece:
     return Piece(a.start, a.stop, harmonics, a.constant + b.constant, a.slope + b.slope)
 
 
-@dataclass(frozen=True, eq=False)
-class Motion:
+@dataclass(frozen=True, eq=False, repr=False)
+class Motion(Shown):
     """A ground motion as exact pieces; the ground acceleration is a_g s(phi), phi =
     omega_g t.
 
@@ -117,6 +118,17 @@ class Motion:
     vertical: Motion | None = None
     # a_g of a record [m/s2], which has omega_g = 1 rad/s; else None
     acceleration: float | None = None
+
+    def _shown(self) -> dict[str, Any]:
+        found: dict[str, Any] = {"motion": self.name}
+        if self.acceleration is None:
+            found["periods"] = self.duration / (2.0 * np.pi)
+        else:  # in its own time
+            pga = self.acceleration * self.largest
+            found |= {"duration": self.duration, "pga": pga}
+        if self.vertical is not None:
+            found["vertical"] = "with a vertical motion"
+        return found
 
     @property
     def samples(self) -> Samples | None:

@@ -108,12 +108,20 @@ def read_motion(path: str | Path, **given: Unpack[MotionChoices]) -> Motion:
     >>> round(motion.acceleration, 6)  # the peak in m/s2
     3.4335
     """
+    found = read_one(path, given)
+    return found if isinstance(found, Motion) else found.motion
+
+
+def read_one(path: str | Path, given: MotionChoices) -> Motion | Recording:
+    """Return the motion of a motion document, or the record of a file. Raises as
+    `read_motion`.
+    """
     source, raw = read_bytes(path)
     records = records_of(source, raw, **_stated(given))
     if records is None:
         return _of_document(source, raw, given)
     (recording,) = _recordings(records, [pick(records, given.get("component"))], given)
-    return _scaled(recording, given).motion
+    return _scaled(recording, given)
 
 
 def read_motions(

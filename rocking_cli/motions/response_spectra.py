@@ -15,12 +15,13 @@ w^2 S_d is the pseudo-acceleration.
 import math
 import re
 from collections.abc import Sequence
+from pathlib import Path
 
 import numpy as np
 
 from ..documents.quantities import parse_quantity
 from ..errors import UsageError
-from .records import Record
+from .records import Record, record_from
 
 Array = np.ndarray
 
@@ -33,14 +34,16 @@ _NAME = re.compile(r"(SA|AvgSA)(?:\((.*)\))?", re.IGNORECASE)
 
 
 def displacement_spectrum(
-    record: Record, periods: Sequence[float] | Array, damping: float = DAMPING
+    record: Record | str | Path,
+    periods: Sequence[float] | Array,
+    damping: float = DAMPING,
 ) -> Array:
     """Return the displacement spectrum S_d of a record, of the elastic oscillator.
 
     Parameters
     ----------
     record
-        as recorded
+        as recorded, or the path of its file
     periods
         T [s], positive, (n,)
     damping
@@ -63,6 +66,7 @@ def displacement_spectrum(
     >>> displacement_spectrum(record, [0.5, 1.0]).round(4).tolist()
     [0.0621, 0.367]
     """
+    record = record_from(record)
     periods = np.asarray(periods, dtype=float)
     if not (
         periods.ndim == 1
@@ -90,14 +94,16 @@ def displacement_spectrum(
 
 
 def acceleration_spectrum(
-    record: Record, periods: Sequence[float] | Array, damping: float = DAMPING
+    record: Record | str | Path,
+    periods: Sequence[float] | Array,
+    damping: float = DAMPING,
 ) -> Array:
     """Return the spectrum of the pseudo-acceleration S_a = (2 pi/T)^2 S_d of a record.
 
     Parameters
     ----------
     record
-        as recorded
+        as recorded, or the path of its file
     periods
         T [s], positive, (n,)
     damping

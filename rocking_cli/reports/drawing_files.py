@@ -62,6 +62,7 @@ class Opened(NamedTuple):
     cells: Callable[[], AbstractContextManager[SpectraFile]] | None
     rows: Callable[[], Rows]  # reads the rows of a table
     records: tuple[Path, ...] = ()  # files of records
+    held: tuple[Record, ...] = ()  # records in memory
 
 
 def draw(
@@ -90,10 +91,11 @@ def draw(
     source
         a spectra file, a CSV file of a command ("-": standard input), or the CSV files
         of several responses; or a result in memory: of `time_history`, `spectrum`,
-        `check`, `envelope`, `trace_envelope`, `closed_form_curves` or `fragility`
+        `check`, `envelope`, `trace_envelope`, `closed_form_curves`, `fragility`,
+        `slide_history` or `load_records`; or the path of a record
     target
         the file to write, or Axes of matplotlib, into which a response is drawn
-        without its ground acceleration
+        without its ground acceleration, and a record without velocity and displacement
     structure
         name of the structure or record of a map, None for the first
     cut
@@ -149,8 +151,9 @@ def draw(
     remark = None
     instead = "; `text` needs nothing" if opened.cells else ""
     with _place(target, instead, overwrite, look, tell) as figure:
-        if opened.records:
-            axes = traces(figure, read_records(opened.records, tell), shown)
+        if opened.records or opened.held:
+            records = opened.held or read_records(opened.records, tell)
+            axes = traces(figure, records, shown, alone)
         elif opened.cells is None:
             lines = partial(phase, body=body) if portrait else None
             rows = opened.rows()
@@ -310,9 +313,11 @@ def opened_source(source: Any) -> Opened:
             return Opened(str(several[0]), None, list, tuple(several))
         return Opened(str(several[0]), None, partial(_rows, several))
 
-    from .figures.memory import memory_file, memory_rows
+    from .figures.memory import memory_file, memory_records, memory_rows
 
     name = type(source).__name__
+    if held := memory_records(source):
+        return Opened(name, None, list, held=tuple(held))
     if (file := memory_file(source)) is not None:
         return Opened(name, lambda: nullcontext(file), list)
     rows = memory_rows(source)

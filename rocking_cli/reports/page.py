@@ -22,8 +22,8 @@ from ..documents.document import Document
 from ..documents.quantities import DEFAULT_GRAVITY
 from ..dynamics.method import has_direction
 from ..dynamics.outcome import Outcome
-from ..motions import Motion
-from ..motions.grid import Grid, HasMotion, demand_in_words, demand_of
+from ..motions.given import AnyMotion, demands_of, motions_of
+from ..motions.grid import Grid, demand_in_words
 from ..motions.recording import Recording
 from ..motions.records import Record
 from ..plugins import require
@@ -36,6 +36,7 @@ from ..structures import (
     on_each_interface,
     with_distinct_names,
 )
+from ..structures.given import documents_from
 from .figures.capacities import capacities
 from .page_sections import Cases, CodeVerdict, Subject, checked, image, section
 from .tables import Above
@@ -236,11 +237,11 @@ def _versions() -> list[tuple[str, str]]:
 
 
 def report(
-    documents: Sequence[Document],
-    motion: Motion | HasMotion | Sequence[Recording],
+    documents: Document | str | Path | Sequence[Document | str | Path],
+    motion: AnyMotion | Sequence[AnyMotion],
     target: str | Path,
     *,
-    shaking: Grid | None = None,
+    shaking: Grid | str | None = None,
     title: str | None = None,
     summary: bool = False,
     by_capacity: bool = False,
@@ -252,13 +253,13 @@ def report(
     Parameters
     ----------
     documents
-        of the structures
+        one or more: documents, paths, or texts such as "block:0.5x2"
     motion
-        the motion of the ground, or several records
+        the motion of the ground: an object, the name of a pulse, or a path; or several
     target
         the HTML file to write
     shaking
-        amplitude and frequency, a grid of one cell, which records do not need
+        amplitude and frequency, a grid of one cell or its text; records do not need it
     title
         of the page, None for the names of the structures
     summary
@@ -292,18 +293,17 @@ def report(
     >>> [verdict.outcome.flag for verdict in verdicts]
     ['no_uplift']
     """
-    motions = list(motion) if isinstance(motion, Sequence) else [motion]
-    documents = [one for document in documents for one in on_each_interface(document)]
-    structures = with_distinct_names(
-        [build_structure(document) for document in documents]
-    )
-    shakes = [demand_of(one, shaking) for one in motions]
+    motions = motions_of(motion)
+    read = [
+        one
+        for document in documents_from(documents)
+        for one in on_each_interface(document)
+    ]
+    structures = with_distinct_names([build_structure(document) for document in read])
+    shakes = demands_of(motions, shaking)
     demands = [(one, *shake) for shake in shakes for one in structures]
     return write_page(
-        [
-            Subject(document, s)
-            for document, s in zip(documents, structures, strict=True)
-        ],
+        [Subject(document, s) for document, s in zip(read, structures, strict=True)],
         demands,
         target,
         Asked(

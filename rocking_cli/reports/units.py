@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from functools import cache
 from typing import Any
 
+from ..arguments import check_fields
 from ..documents.quantities import DEFAULT_GRAVITY, headed
 from ..errors import UsageError
 
@@ -208,6 +209,9 @@ class Units:
 
     # dimension of columns that have another one here than in `COLUMNS`; None: no unit
     dimensions: Mapping[str, str | None] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        check_fields(self)
 
     def of(self, dimension: str) -> tuple[str, float]:
         """Return the unit of a dimension.

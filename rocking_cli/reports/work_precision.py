@@ -16,11 +16,11 @@ from ..dynamics.references.extrapolation import Script
 from ..dynamics.references.general_solver import solve_cell
 from ..dynamics.response import response
 from ..errors import UsageError
-from ..motions import Motion
+from ..motions.given import AnyMotion, with_grid
 from ..motions.grid import Grid
 from ..spectra.scene import PulseScene
 from ..spectra.verification import sampled_cells
-from ..structures.parameters import RockingParameters
+from ..structures.given import Structure, structure_from
 
 TOLERANCES = (1e-4, 1e-6, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12)
 SCIPY_METHODS = ("RK45", "LSODA", "DOP853")
@@ -131,11 +131,11 @@ def _of_scipy(
 
 
 def accuracy(
-    structure: RockingParameters,
-    motion: Motion,
-    grid: Grid,
+    structure: Structure,
+    motion: AnyMotion,
+    grid: Grid | str | None = None,
     *,
-    method: Method | None = None,
+    method: Method | str | None = None,
     sample: int = 40,
     scipy: int = 10,
     seed: int = 0,
@@ -145,14 +145,14 @@ def accuracy(
     Parameters
     ----------
     structure
-        the structure
+        parameters, a document, a path, or a text such as "block:0.5x2"
     motion
-        the motion of the ground
+        the motion of the ground: an object, the name of a pulse, or a path
     grid
-        from whose cells some are drawn
+        from whose cells some are drawn, or its text; a record does not need it
     method
-        the equation of motion; None for the nonlinear one if the geometry is known and
-        the axes have units, else the linear one
+        the equation of motion or its name, such as "linear"; None for the nonlinear one
+        if the geometry is known and the axes have units, else the linear one
     sample
         number of cells that are compared, from 1
     scipy
@@ -189,7 +189,11 @@ def accuracy(
             raise UsageError(
                 f"`{name}`: found {value}; expected a whole number from {least}"
             )
-    method = method or governing_method(structure, dimensionless=grid.dimensionless)
+    structure = structure_from(structure)
+    motion, grid = with_grid(motion, grid)
+    method = Method.of(
+        method or governing_method(structure, dimensionless=grid.dimensionless)
+    )
     return list(
         work_precision(
             PulseScene((structure,), grid, motion, method),

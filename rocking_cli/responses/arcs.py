@@ -113,6 +113,8 @@ class History(Shown):
     highest: largest |theta|/alpha of the whole motion, NaN if the body overturned [-]
     devices: a row for each tie and tendon
     device_forces: forces of the ties and the tendon over time
+    lost: first time at which Fz = 0 in the fall of a body with ties [tau], None without
+        one
 
     Examples
     --------
@@ -134,6 +136,8 @@ class History(Shown):
     devices: tuple[dict[str, Any], ...] = ()  # a row for each tie and tendon
     # forces of the ties and the tendon over time
     device_forces: DeviceForces | None = None
+    # first time at which Fz = 0 in the fall of a body with ties [tau], None without one
+    lost: float | None = None
 
     def _shown(self) -> dict[str, Any]:
         return {

@@ -18,7 +18,8 @@ from ..envelopes.capacity import Capacity, fall_searches
 from ..envelopes.intervals import A_MAX
 from ..errors import UsageError
 from ..motions import Motion
-from ..motions.grid import Grid, HasMotion, demand_of
+from ..motions.given import AnyMotion, demand_of
+from ..motions.grid import Grid
 from ..processes import available_cpus, part_reporter, processes
 from ..structures.friction import friction_that_slides
 from ..structures.given import Structure, structure_from
@@ -47,7 +48,7 @@ _WORTH = 3  # demands under pulses for each process that is started, at least
 
 def check(
     structure: Structure,
-    motion: Motion | HasMotion,
+    motion: AnyMotion,
     shaking: Grid | str | None = None,
     *,
     a_max: float | None = A_MAX,
@@ -63,7 +64,7 @@ def check(
     structure
         parameters, a document, a path, or a text such as "block:0.5x2"
     motion
-        the motion of the ground
+        the motion of the ground: an object, the name of a pulse, or a path
     shaking
         the demand: amplitude and frequency, a grid of one cell or its text; a record
         does not need it
@@ -379,9 +380,9 @@ def _all(
 def _of_history(
     method: Method, structure: RockingParameters, motion: Motion, shaking: Grid
 ) -> dict[str, Any]:
-    """Return friction_needed, fz_min, top_displacement and devices, or opens and
-    friction_needed (of a mechanism, unless forces are not known), from the history,
-    which goes on to `FALLEN`.
+    """Return friction_needed, fz_min, top_displacement, devices and lost_in_fall, or
+    opens and friction_needed (of a mechanism, unless forces are not known), from the
+    history, which goes on to `FALLEN`.
     """
     linked = (
         structure.mechanism is not None
@@ -410,12 +411,18 @@ def _of_history(
             row = forces.summary("tau", 1.0)
             opens["friction_needed"] = row["friction_needed"]
         return opens
-    devices = found.histories[method.model].devices
+    own = found.histories[method.model]
+    devices = own.devices
     top: dict[str, Any] = {
         "top_displacement": found.top_displacement(method.model),
         **({"devices": devices} if devices else {}),
     }
+    if own.outcome.overturned and own.lost is not None:
+        top["lost_in_fall"] = True
     if structure.arm is None or devices:
         return top
     asked = found.forces[method.model].summary("tau", 1.0)
-    return top | {key: asked[key] for key in ("friction_needed", "fz_min")}
+    of_forces = {key: asked[key] for key in ("friction_needed", "fz_min")}
+    if own.outcome.overturned and asked["fz_min"] <= 0.0:
+        top["lost_in_fall"] = True
+    return top | of_forces

@@ -11,6 +11,7 @@ at uplift if that amplitude is larger.
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -27,11 +28,13 @@ from ..motions.design_spectra import (
     MotionSpectrum,
     Spectrum,
     SpectrumFile,
+    read_spectrum,
 )
-from ..motions.grid import Grid, HasMotion, demand_of
+from ..motions.given import AnyMotion, demand_of
+from ..motions.grid import Grid
+from ..showing import Shown
 from ..structures.given import Structure, structure_from
 from ..structures.mechanics.capacity_curve import CapacityCurve, capacity_curves
-from ..structures.parameters import RockingParameters
 
 Q = 2.0  # behaviour factor of the linear check
 ROTATION = 0.40  # of alpha, which is d_SLV of a slender body
@@ -64,8 +67,8 @@ class Reached(NamedTuple):
     broken: bool  # True if a tie decides it by its break
 
 
-@dataclass(frozen=True)
-class CodeCheck:
+@dataclass(frozen=True, repr=False)
+class CodeCheck(Shown):
     """A structure checked by the Italian code, as `code_check` returns it.
 
     Amplitudes are those of the motion, or the peak of a spectrum file. Of several
@@ -105,6 +108,10 @@ class CodeCheck:
     spectrum: Spectrum  # of the demand
     # True for the spectrum of a floor, if the dynamics are on the ground
     on_floor: bool
+
+    def _shown(self) -> dict[str, Any]:
+        found = {"structure": self.structure, "demand": self.demand}
+        return {**found, "demand_a": self.demand_a, **self.row()}
 
     def row(self, beyond: float | None = None) -> dict[str, Any]:
         """Return the columns that `rocking check --code` adds.
@@ -192,10 +199,10 @@ class CodeCheck:
 
 def code_check(
     structure: Structure,
-    motion: Motion | HasMotion | None = None,
+    motion: AnyMotion | None = None,
     shaking: Grid | str | None = None,
     *,
-    site: SpectrumFile | None = None,
+    site: SpectrumFile | str | Path | None = None,
     floor: Sequence[FloorMode] = (),
     confidence: float = 1.0,
 ) -> CodeCheck:
@@ -209,12 +216,13 @@ def code_check(
         parameters, a document, a path, or a text such as "block:0.5x2"; with
         a geometry
     motion
-        the motion whose spectrum is the demand, None with `site`
+        the motion whose spectrum is the demand: an object, the name of a pulse, or a
+        path; None with `site`
     shaking
         amplitude and frequency of the motion, a grid of one cell or its text; a record
         does not need it
     site
-        the design spectrum of a file, in place of the motion's
+        a design spectrum, or the path of its file, in place of the motion's
     floor
         the modes of the building that carries the body, on a ground with this spectrum
     confidence
@@ -245,6 +253,8 @@ def code_check(
     [0.5, 0.537, 0.765]
     """
     structure = structure_from(structure)
+    if isinstance(site, str | Path):
+        site = read_spectrum(site)
     if not 1.0 <= confidence < math.inf:
         raise UsageError(
             f"`fc`: found {confidence:g}; expected a confidence factor from 1, such as"
@@ -322,9 +332,9 @@ def _reached(
 
 
 def first_beyond(
-    structure: RockingParameters,
-    motion: Motion,
-    shaking: Grid,
+    structure: Structure,
+    motion: AnyMotion,
+    shaking: Grid | str | None = None,
     share: float = ROTATION,
     *,
     most: float | None = None,
@@ -338,11 +348,11 @@ def first_beyond(
     Parameters
     ----------
     structure
-        the structure
+        parameters, a document, a path, or a text such as "block:0.5x2"
     motion
-        the motion of the ground
+        the motion of the ground: an object, the name of a pulse, or a path
     shaking
-        the demand, a grid of one cell
+        the demand, a grid of one cell or its text; a record does not need it
     share
         |theta|/alpha that counts as beyond [-]; 0.4 is that of SLV
     most
@@ -364,6 +374,8 @@ def first_beyond(
     >>> round(first_beyond(column, sine(), parse_grid("a_g=0.3g,T_g=0.4")) / 9.81, 3)
     0.571
     """
+    structure = structure_from(structure)
+    motion, shaking = demand_of(motion, shaking)
     demand, omega = shaking.cell(structure)
     system = governing_method(structure, dimensionless=shaking.dimensionless).system_of(
         structure

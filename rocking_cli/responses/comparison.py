@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from ..dynamics.method import Method, governing_method
-from ..motions import Motion
-from ..motions.grid import Axis, Grid, HasMotion, demand_of
+from ..dynamics.method import Method, governing_method, methods_of
+from ..motions.given import AnyMotion, demand_of
+from ..motions.grid import Axis, Grid
 from ..structures.given import Structure, structures_from
 from ..structures.parameters import RockingParameters
 from .history import quarter_period
@@ -41,9 +41,9 @@ def scaled_alike(
 
 def compare(
     structures: Structure | Sequence[Structure],
-    motion: Motion | HasMotion,
+    motion: AnyMotion,
     shaking: Grid | str | None = None,
-    methods: Sequence[Method] = (),
+    methods: Method | str | Sequence[Method | str] = (),
 ) -> list[TimeHistory]:
     """Return the response of each structure to one motion, at equal A and Omega.
 
@@ -55,13 +55,14 @@ def compare(
     structures
         one or more: parameters, documents, paths, or texts such as "block:0.5x2"
     motion
-        the motion of the ground
+        the motion of the ground: an object, the name of a pulse, or a path
     shaking
         amplitude and frequency for the first structure, a grid of one cell or its text;
         a record does not need it
     methods
-        the equations of motion, empty for the nonlinear one if all geometries are known
-        and the motion has units, else the linear one
+        the equations of motion or their names, such as "linear"; empty for the
+        nonlinear one if all geometries are known and the motion has units, else the
+        linear one
 
     Returns
     -------
@@ -82,7 +83,7 @@ def compare(
     """
     bodies = structures_from(structures)
     motion, shaking = demand_of(motion, shaking)
-    methods = methods or [
+    methods = methods_of(methods) or [
         governing_method(*bodies, dimensionless=shaking.dimensionless)
     ]
     return [

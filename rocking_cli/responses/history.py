@@ -17,6 +17,7 @@ from ..dynamics.single.lane import Lane
 from ..dynamics.single.march import march
 from ..dynamics.single.state import Listener
 from ..dynamics.system import System
+from ..motions.given import AnyMotion, motion_from
 from ..motions.motion import Motion, Piece
 from ..motions.segments import Segments
 from .arcs import INVISIBLE, Event, History, HistoryArcs, Writer
@@ -31,7 +32,7 @@ LONGEST = 1e9  # tau: beyond, doubles do not tell the times of an arc apart
 
 def history(
     system: System,
-    motion: Motion,
+    motion: AnyMotion,
     amplitude: float,
     omega: float,
     eta: float,
@@ -51,7 +52,7 @@ def history(
     system
         the equation of motion on its contact, such as `Method().system_of(structure)`
     motion
-        the motion of the ground
+        the motion of the ground: an object, the name of a pulse, or a path
     amplitude
         A = a_scale a_g / (alpha g) [-], finite, not negative; 0 is free rocking
     omega
@@ -81,6 +82,7 @@ def history(
     >>> [event.event for event in found.events][:3]
     ['uplift', 'peak', 'impact']
     """
+    motion = motion_from(motion)
     numbers = {
         "amplitude": amplitude,
         "omega": omega,

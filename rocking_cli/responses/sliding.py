@@ -5,7 +5,7 @@ beside that of the same body on a base that does not slide.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import asdict, dataclass, replace
 from functools import cached_property
 from typing import Any
@@ -16,7 +16,9 @@ from ..dynamics.outcome import LOST, Outcome
 from ..dynamics.sliding import Base, SlideStretch, Sliding
 from ..errors import UsageError
 from ..motions import Motion
-from ..motions.grid import Grid, HasMotion, demand_of
+from ..motions.given import AnyMotion, demand_of
+from ..motions.grid import Grid
+from ..showing import Shown
 from ..structures.friction import (
     Friction,
     covers_sliding,
@@ -24,6 +26,7 @@ from ..structures.friction import (
     least_lambda,
     sliders,
 )
+from ..structures.given import Structure, structure_from
 from ..structures.parameters import RockingParameters
 from .verdict import SLIDE_COLUMNS, Verdict
 
@@ -39,8 +42,8 @@ ONE_WAY = (
 )
 
 
-@dataclass(frozen=True, eq=False)
-class SlideHistory:
+@dataclass(frozen=True, eq=False, repr=False)
+class SlideHistory(Shown):
     """The sliding of one structure under one motion.
 
     Attributes
@@ -66,6 +69,22 @@ class SlideHistory:
     omega: float  # omega_g [rad/s]
     friction: Friction  # of its base
     sliding: Sliding  # its slides, in phases
+
+    def _shown(self) -> dict[str, Any]:
+        return {
+            "structure": self.structure.name,
+            "motion": self.motion.name,
+            "demand_a": self.demand_a,
+            "outcome": self.outcome.flag,
+            "friction": self.friction.static,
+            "slide_a": self.slide_a,
+            "slide_max": self.slide_max,
+            "slide_residual": self.slide_residual,
+            "slide_speed": self.slide_speed,
+        }
+
+    def _rows(self) -> Iterable[Mapping[str, Any]]:
+        return self.rows()
 
     @property
     def outcome(self) -> Outcome:
@@ -278,9 +297,9 @@ def _at_the_end(residual: float) -> str:
 
 
 def slide_history(
-    structure: RockingParameters,
-    motion: Motion | HasMotion,
-    shaking: Grid | None = None,
+    structure: Structure,
+    motion: AnyMotion,
+    shaking: Grid | str | None = None,
 ) -> SlideHistory | None:
     """Return the sliding of a structure whose friction keeps it from rocking, None for
     another structure.
@@ -288,12 +307,14 @@ def slide_history(
     Parameters
     ----------
     structure
+        parameters, a document, a path, or a text such as "block:0.5x2,friction=0.2", of
         a rigid body on two edges; it slides and never rocks if its static friction is
         below lambda of each edge, of a stack of each interface
     motion
-        the motion of the ground, with its vertical one
+        the motion of the ground with its vertical one: an object, the name of a pulse,
+        or a path
     shaking
-        a grid of one cell, which a record does not need
+        a grid of one cell or its text; a record does not need it
 
     Returns
     -------
@@ -312,6 +333,7 @@ def slide_history(
     >>> round(found.slide_max, 6), round(found.slide_residual, 6)
     (0.125812, 0.006298)
     """
+    structure = structure_from(structure)
     moved, grid = demand_of(motion, shaking)
     friction = friction_that_slides(structure)
     if friction is None:

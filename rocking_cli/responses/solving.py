@@ -7,6 +7,7 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, replace
 from itertools import islice, pairwise
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -18,10 +19,13 @@ from ..envelopes.amplitudes import Limit
 from ..envelopes.worst import at_worst_frequency
 from ..errors import UsageError
 from ..motions import Motion
+from ..motions.given import AnyMotion, Shake, demand_of, demands_of
 from ..motions.grid import Grid
 from ..processes import available_cpus
-from ..structures.family import Variation, family
+from ..showing import Shown
+from ..structures.family import Variation, family, parse_variation
 from ..structures.friction import sliders
+from ..structures.given import document_from
 from ..structures.parameters import RockingParameters
 from .check import Demand, Standing, standings
 
@@ -32,11 +36,12 @@ _DIGITS = (
 # this one
 _BEYOND = 2.0
 _EXACT = 1e-8  # of a boundary before it is rounded
+SCAN = 17  # values of a range that states no number
 _AT_ONCE = 3  # values of the scan for each process, which are judged together
 
 
-@dataclass(frozen=True)
-class Boundary:
+@dataclass(frozen=True, repr=False)
+class Boundary(Shown):
     """A value of a key at which a structure begins or ceases to stand.
 
     `boundaries` returns them. Without a boundary the value and capacity_demand are
@@ -56,9 +61,9 @@ class Boundary:
 
     Examples
     --------
-    >>> column = parse_documents("{kind: block, width: 0.5, height: 2}")[0]
-    >>> shakes = [(sine(), parse_grid("a_g=0.1g,f_g=1"))]
-    >>> (found,), _ = boundaries(column, parse_variation("width=0.5:0.6:2"), shakes)
+    >>> (found,), _ = boundaries(
+    ...     "block:0.5x2", "width=0.5:0.6:2", "sine", "a_g=0.1g,f_g=1"
+    ... )
     >>> found.side, found.value
     ('stands everywhere', None)
     """
@@ -75,6 +80,13 @@ class Boundary:
     shown: dict[str, float | None]  # the value in the unit of the range, by heading
     unit: str = ""  # SI unit of the value, "" for a plain number
 
+    def _shown(self) -> dict[str, Any]:
+        found = {"structure": self.structure, **self.shown, "side": self.side}
+        return {**found, "capacity_demand": self.capacity_demand}
+
+    def _rows(self) -> list[dict[str, Any]]:
+        return [self.row()]
+
     def row(self) -> dict[str, Any]:
         """Return the boundary as `rocking solve --json` prints it."""
         return {
@@ -85,14 +97,15 @@ class Boundary:
 
 
 def boundaries(
-    document: Document,
-    varied: Variation,
-    shakes: Sequence[tuple[Motion, Grid]],
+    document: Document | str | Path,
+    varied: Variation | str,
+    shakes: AnyMotion | Sequence[AnyMotion | Shake],
+    shaking: Grid | str | None = None,
     *,
     margin: float = 1.0,
     share: float = 1.0,
-    opposite: Sequence[tuple[Motion, Grid]] = (),
-    up_to: Grid | None = None,
+    opposite: Sequence[Shake] = (),
+    up_to: Grid | str | None = None,
     workers: int | None = None,
     progress: Callable[[int, int], None] | None = None,
     scanned_at: Callable[[float, float], None] | None = None,
@@ -106,11 +119,16 @@ def boundaries(
     Parameters
     ----------
     document
-        the structure
+        the structure: a document, a path, or a text such as "block:0.5x2"
     varied
-        the key and the values between which boundaries are searched
+        the key and the values between which boundaries are searched, or a text such as
+        "width=0.4:0.8:5"; without a number of values there are 17
     shakes
-        motions with grids of one cell, the demands
+        the motion of the ground: an object, the name of a pulse, or a path; or several,
+        each alone or as a pair (motion, grid)
+    shaking
+        amplitude and frequency, a grid of one cell or its text, of the motions without
+        one; a record does not need it
     margin
         least accepted capacity over demand [-]
     share
@@ -146,9 +164,8 @@ def boundaries(
 
     Examples
     --------
-    >>> (column,) = read_documents("configs/block.yaml")
-    >>> shakes = [(sine(), parse_grid("a_g=0.4g,f_g=1"))]
-    >>> (found,), _ = boundaries(column, parse_variation("width=0.4:0.8:3"), shakes)
+    >>> column = "configs/block.yaml"
+    >>> (found,), _ = boundaries(column, "width=0.4:0.8:3", "sine", "a_g=0.4g,f_g=1")
     >>> found.side, f"{found.value:.5f} m", round(found.capacity_demand, 4)
     ('stands above', '0.62312 m', 1.0)
     """
@@ -157,10 +174,16 @@ def boundaries(
             f"found `share` {share:g} and `margin` {margin:g}; expected a share above 0"
             " and up to 1, and a positive margin"
         )
-    for _, grid in (*shakes, *opposite):
-        grid.require_one_cell()
+    demands = demands_of(shakes, shaking)
     search = _BoundarySearch(
-        document, varied, shakes, margin, share, opposite, up_to, workers
+        document_from(document),
+        parse_variation(varied, SCAN) if isinstance(varied, str) else varied,
+        demands,
+        margin,
+        share,
+        demands_of(opposite),
+        None if up_to is None else demand_of(demands[0][0], up_to)[1],
+        workers,
     )
     scanned = search.scanned(progress)
     if scanned_at is not None:

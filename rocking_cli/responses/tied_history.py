@@ -112,11 +112,13 @@ class _Recorder(Writer):
         if lifts:
             self.note(after, "uplift", 0.0, 0.0)
 
-    def forget_lost_contact(self) -> None:
+    def pop_lost_contact(self) -> float | None:
         """Drop the loss of contact, which would end the history before the fall of a
-        body that overturns.
+        body that overturns; return its time [tau], None without one.
         """
+        lost = min((e.tau for e in self.events if e.event == LOST), default=None)
         self.events = [e for e in self.events if e.event != LOST]
+        return lost
 
     def forces(self) -> DeviceForces:
         """Return the forces of the devices over time."""
@@ -148,12 +150,12 @@ def tied_history(
     found = march.run(release)
     outcome, rows = Outcome(int(found.outcome[0])), tuple(device_rows(system, march))
     # A body that overturns has overturned whatever its Fz, as a body without ties.
-    if outcome != Outcome.LOST_CONTACT:
-        recorder.forget_lost_contact()
+    lost = None if outcome == Outcome.LOST_CONTACT else recorder.pop_lost_contact()
     history = recorder.history(
         recorder.arcs(), duration, outcome, float(found.theta_ratio[0])
     )
-    return replace(history, devices=rows, device_forces=recorder.forces())
+    forces = recorder.forces()
+    return replace(history, devices=rows, device_forces=forces, lost=lost)
 
 
 def device_rows(system: System, march: March) -> list[dict[str, Any]]:

@@ -10,11 +10,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..dynamics.method import Method, governing_method
+from ..dynamics.method import Method, governing_method, methods_of
 from ..dynamics.outcome import LOST, Outcome
 from ..errors import UsageError
 from ..motions import Motion, Piece
-from ..motions.grid import Grid, HasMotion, demand_of
+from ..motions.given import AnyMotion, demand_of
+from ..motions.grid import Grid
 from ..showing import Shown
 from ..structures.given import Structure, structure_from
 from ..structures.parameters import RockingParameters
@@ -103,8 +104,15 @@ class TimeHistory(Shown):
 
     @property
     def end(self) -> float:
-        """The time [tau] at which the longest history ends, at most `shown`."""
-        return min(self.shown, max(h.end for h in self.histories.values()))
+        """The time [tau] at which the longest history ends, or its body loses contact;
+        at most `shown`.
+        """
+        return min(self.shown, max(map(self._end_of, self.histories)))
+
+    def _end_of(self, model: str) -> float:
+        """The time [tau] up to which the motion by one equation is known."""
+        lost, end = self._lost(model), self.histories[model].end
+        return end if lost is None else min(lost, end)
 
     @property
     def failed(self) -> bool:
@@ -314,7 +322,7 @@ class TimeHistory(Shown):
         dimensionless: bool = False,
         forces: bool = False,
     ) -> Iterator[dict[str, Any]]:
-        """Yield the response, a row for each time.
+        """Yield the response, a row for each time up to a loss of contact.
 
         Columns with units come first, among them the force of each tie and tendon [N],
         then tau, theta/alpha and the displacement of the top, last those of `NAMED`.
@@ -346,9 +354,9 @@ class TimeHistory(Shown):
         tau = self.times(None if dt is None else dt / time, steps)
         columns = {"tau" if dimensionless else "t": tau * time}
         last = {} if dimensionless else {"tau": tau}
-        for model, found in self.histories.items():
+        for model in self.histories:
             suffix = f"_{model}" if len(self.histories) > 1 else ""
-            state = found.at(tau)
+            state = self._state(model, tau)
             own = self._columns(model, tau, state, dimensionless, forces)
             columns |= {name + suffix: values for name, values in own.items()}
             if dimensionless:
@@ -367,6 +375,15 @@ class TimeHistory(Shown):
         named = self._named(dimensionless)
         for row in _rows_of(columns | last):
             yield row | named
+
+    def _state(self, model: str, tau: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return theta/alpha and its derivative by tau at times tau, NaN where the
+        motion by one equation is not known.
+        """
+        ratio, rate = self.histories[model].at(tau)
+        unknown = tau > self._end_of(model)
+        ratio[unknown] = rate[unknown] = np.nan
+        return ratio, rate
 
     def _named(self, dimensionless: bool) -> dict[str, str | float | None]:
         """Return the columns of `NAMED`: that of the outcome has the name of the model
@@ -405,6 +422,8 @@ class TimeHistory(Shown):
         """
         s, found = self.structure, self.histories[model]
         more = self.forces[model].columns(tau) if forces else {}
+        for column in more.values():
+            column[tau > self._end_of(model)] = np.nan
         ratio, rate = state
         if dimensionless:
             return {"theta_ratio": ratio, "theta_ratio_rate": rate, **more}
@@ -532,7 +551,11 @@ class TimeHistory(Shown):
         for model, found in self.histories.items():
             peak, ratio = found.peak, found.theta_ratio or 0.0
             text = self.outcome(model).sentence
-            if ratio > (0.0 if peak is None else abs(peak.theta_ratio) * (1.0 + 1e-9)):
+            if self.outcome(model) == Outcome.LOST_CONTACT:
+                text += self._loss_in_words(model)
+            elif ratio > (
+                0.0 if peak is None else abs(peak.theta_ratio) * (1.0 + 1e-9)
+            ):
                 text += (
                     f", largest theta {ratio:.6g} alpha after {found.end / s.p:.4g} s"
                 )
@@ -548,10 +571,32 @@ class TimeHistory(Shown):
                 and found.outcome == Outcome.ROCKED
             ):
                 text += f"; still rocking at {found.end / s.p:.4g} s"
+            if self.outcome(model).overturned:
+                text += self._loss_in_words(model)
             text += "".join(f"; {device['words']}" for device in found.devices)
             if forces:
                 text += "; " + self.forces[model].words()
             yield f"{s.name}, {model}: {text}"
+
+    def _loss_in_words(self, model: str) -> str:
+        """Return what to say of a loss of contact; empty without one."""
+        found = self.histories[model]
+        if not self.outcome(model).overturned:
+            instant = min(e.tau for e in self._events(model) if e.event == LOST)
+            at = f" at {instant / self.structure.p:.4g} s"
+            return f"{at}, and its later motion is not known"
+        lost = found.lost
+        try:
+            lost = lost if found.devices else self.forces[model].lost
+        except UsageError:  # forces that are not known
+            return ""
+        if lost is None:
+            return ""
+        at = f"at {lost / self.structure.p:.4g} s"
+        return (
+            f", and loses contact with the ground {at} during its fall, which is"
+            " therefore not proved"
+        )
 
 
 def _rows_of(columns: dict[str, np.ndarray]) -> Iterator[dict[str, float | None]]:
@@ -565,9 +610,9 @@ def _rows_of(columns: dict[str, np.ndarray]) -> Iterator[dict[str, float | None]
 
 def time_history(
     structure: Structure,
-    motion: Motion | HasMotion | None,
+    motion: AnyMotion | None,
     shaking: Grid | str | None = None,
-    methods: Sequence[Method] = (),
+    methods: Method | str | Sequence[Method | str] = (),
     *,
     release: float = 0.0,
     duration: float | None = None,
@@ -579,13 +624,15 @@ def time_history(
     structure
         parameters, a document, a path, or a text such as "block:0.5x2"
     motion
-        the motion of the ground; None for free rocking from theta/alpha = release
+        the motion of the ground: an object, the name of a pulse, or a path; None for
+        free rocking from theta/alpha = release
     shaking
         amplitude and frequency, a grid of one cell or its text; a record does not need
         it
     methods
-        the equations of motion, empty for the nonlinear one if the geometry is known
-        and the motion has units, else the linear one
+        the equations of motion or their names, such as "linear"; empty for the
+        nonlinear one if the geometry is known and the motion has units, else the linear
+        one
     release
         theta/alpha at the start [-], from 0 to below 1
     duration
@@ -611,7 +658,7 @@ def time_history(
     """
     structure = structure_from(structure)
     moved, shaking = (STILL, None) if motion is None else demand_of(motion, shaking)
-    methods = methods or [
+    several = methods_of(methods) or [
         governing_method(
             structure, dimensionless=shaking is not None and shaking.dimensionless
         )
@@ -643,7 +690,7 @@ def time_history(
                 release=release,
                 duration=tau,
             )
-            for m in methods
+            for m in several
         }
     except ValueError as error:
         raise UsageError(f"{structure.name}: {error}") from None

@@ -14,7 +14,8 @@ from ..dynamics.outcome import Outcome
 from ..dynamics.response import LONG
 from ..envelopes.intervals import A_MAX
 from ..errors import UsageError
-from ..motions.grid import Grid, HasMotion, demand_of
+from ..motions.given import AnyMotion, demand_of
+from ..motions.grid import Grid
 from ..motions.motion import Motion
 from ..showing import Shown
 from ..structures.draws import DRAWS, draws
@@ -108,7 +109,7 @@ def drawn_columns(searched: bool) -> tuple[str, ...]:
 
 def drawn_verdict(
     structure: Structure,
-    motion: Motion | HasMotion,
+    motion: AnyMotion,
     shaking: Grid | str | None = None,
     *,
     n: int = DRAWS,
@@ -126,7 +127,7 @@ def drawn_verdict(
         parameters, a document, a path, or a text such as "block:0.62+-0.01x2", with at
         least one number that has a spread
     motion
-        the motion of the ground
+        the motion of the ground: an object, the name of a pulse, or a path
     shaking
         the demand, a grid of one cell or its text; a record does not need it
     n
@@ -219,7 +220,7 @@ def share_curve(
     structure
         a structure whose document holds at least one number with a spread
     motion
-        the motion of the ground
+        the motion of the ground: an object, the name of a pulse, or a path
     shaking
         the demand, a grid of one cell, whose frequency holds
     amplitudes

@@ -81,6 +81,8 @@ class Verdict(Shown):
     devices: a row for each tie and tendon, see `History.devices`
     opens: True if a further hinge opens in an arch, or a hinge of another mechanism
         lifts off, so that another mechanism follows; None for another structure
+    lost_in_fall: True if a body that overturns loses contact with the ground during its
+        fall, which is therefore not proved
     searched_to: largest a_g of the search [m/s2]; None without a search
     omega_g: circular frequency of a pulse [rad/s], None under a record
     capacity_demand: first_overturning_a over demand_a [-], None if nothing overturns
@@ -136,6 +138,8 @@ class Verdict(Shown):
     # True if a further hinge opens in an arch, or a hinge of another mechanism lifts
     # off, so that another mechanism follows; None for another structure
     opens: bool | None = None
+    # True if a body that overturns loses contact with the ground during its fall
+    lost_in_fall: bool = False
     # largest a_g of the search [m/s2]; None without a search
     searched_to: float | None = None
     # circular frequency of a pulse [rad/s], None under a record
@@ -202,6 +206,8 @@ class Verdict(Shown):
         found = {key: own[key] for key in CHECK_COLUMNS}
         if self.opens is not None:
             found["opens"] = self.opens
+        if self.lost_in_fall:
+            found["lost_in_fall"] = True
         if self.share_of_falls:
             found["falls_nearby"] = self.share_of_falls
         if self.slide is not None:

@@ -13,7 +13,7 @@ from ..dynamics.response import response
 from ..envelopes.intervals import A_MAX, HIGHEST, trace_envelope
 from ..errors import UsageError
 from ..motions import Motion
-from ..motions.grid import Grid
+from ..motions.grid import Grid, parse_grid
 from ..structures.given import Structure, structure_from
 from ..structures.parameters import RockingParameters
 from .file.reader import SpectraFile
@@ -22,7 +22,7 @@ ETA_TOLERANCE = 1e-6  # restitutions closer than this count as equal
 
 
 def predict(
-    structure: Structure, spectrum: SpectraFile | str | Path, shaking: Grid
+    structure: Structure, spectrum: SpectraFile | str | Path, shaking: Grid | str
 ) -> dict[str, Any]:
     """Return what a dimensionless spectrum says of a structure (section 4 of the
     paper).
@@ -38,7 +38,7 @@ def predict(
         a linear spectrum over A and Omega that holds the restitution of the structure
         to 1e-6: an open file or its path
     shaking
-        amplitude and frequency, a grid of one cell
+        amplitude and frequency, a grid of one cell or its text
 
     Returns
     -------
@@ -70,6 +70,7 @@ def predict(
     ('rocked', 0.167098)
     """
     structure = structure_from(structure)
+    shaking = parse_grid(shaking) if isinstance(shaking, str) else shaking
     if not isinstance(spectrum, SpectraFile):
         with SpectraFile(spectrum) as file:
             return predict(structure, file, shaking)

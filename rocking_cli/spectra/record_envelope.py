@@ -31,9 +31,8 @@ from ..envelopes.intervals import (
 )
 from ..errors import UsageError
 from ..motions import Motion
+from ..motions.given import AnyMotion, read_if_named, recordings_from
 from ..motions.grid import Axis
-from ..motions.recording import Recording
-from ..motions.records import Record
 from ..processes import available_cpus
 from ..structures.given import Structure, structure_from
 from .record_scene import RecordScene, structures_scene
@@ -169,10 +168,10 @@ def tracing_rows(
 
 def envelope(
     structure: Structure,
-    motion: Motion | Record | Recording,
+    motion: AnyMotion,
     axis: Axis | str | None = None,
     *,
-    method: Method | None = None,
+    method: Method | str | None = None,
     a_max: float = A_MAX,
     sign: str = "worse",
     workers: int | None = None,
@@ -188,12 +187,13 @@ def envelope(
     structure
         parameters, a document, a path, or a text such as "block:0.5x2"
     motion
-        a pulse, or a record, whose scale is varied
+        a pulse, or a record, whose scale is varied: an object, the name of a pulse, or
+        a path
     axis
         of frequencies, or its text such as "f_g=0.5:5:10"; None for a record
     method
-        model and tolerance; None for the nonlinear model if the geometry is known and
-        the axis has units, else the linear one
+        model and tolerance, or the name of the model; None for the nonlinear model if
+        the geometry is known and the axis has units, else the linear one
     a_max
         largest A of the search [-]
     sign
@@ -225,9 +225,9 @@ def envelope(
     """
     structure = structure_from(structure)
     axis = frequency_axis(axis) if isinstance(axis, str) else axis
-    method = method or governing_method(
-        structure, dimensionless=axis is not None and axis.name == "Omega"
-    )
+    motion = read_if_named(motion)
+    bare = axis is not None and axis.name == "Omega"
+    method = Method.of(method or governing_method(structure, dimensionless=bare))
     if isinstance(motion, Motion):
         if axis is None:
             raise UsageError(
@@ -249,7 +249,7 @@ def envelope(
         raise UsageError(
             "a record runs in its own time; expected no axis of frequencies"
         )
-    recording = motion if isinstance(motion, Recording) else Recording(motion)
+    (recording,) = recordings_from([motion])
     return list(
         tracing_rows(
             Tracing(structures_scene([structure], [recording], method=method), a_max),

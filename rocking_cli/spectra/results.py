@@ -35,8 +35,8 @@ _RECORDED = (
 )
 
 
-@dataclass(frozen=True)
-class Summary:
+@dataclass(frozen=True, repr=False)
+class Summary(Shown):
     """Counts, times and checks of a sweep, as `write_spectrum` returns it.
 
     Of a resumed sweep the times, checks and counters are those of the last run only.
@@ -118,6 +118,24 @@ class Summary:
     def failed(self) -> int:
         """Cells that could not be decided."""
         return self.outcomes[Outcome.FAILED.flag]
+
+    def _shown(self) -> dict[str, Any]:
+        first = (
+            "structures",
+            "cells",
+            "run_time",
+            "workers",
+            "model",
+            "estimated_error",
+            "checked_by",
+            "checked_cells",
+            "misjudged",
+        )
+        counts = {f"cells_{key}": n for key, n in self.outcomes.items() if n}
+        return {name: getattr(self, name) for name in first} | counts
+
+    def _rows(self) -> list[dict[str, Any]]:
+        return [self.row()]
 
     def row(self) -> dict[str, Any]:
         """Return the fields as one flat mapping, for JSON and for the file's

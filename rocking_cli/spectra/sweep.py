@@ -18,7 +18,8 @@ from ..errors import Interrupted, UsageError
 from ..interruption import check as check_for_a_stop
 from ..interruption import deferred
 from ..motions import Motion
-from ..motions.grid import Grid, HasMotion, with_grid
+from ..motions.given import AnyMotion, with_grid
+from ..motions.grid import Grid
 from ..processes import available_cpus, refuse_endless
 from ..structures.given import Structure, structures_from
 from ..structures.parameters import RockingParameters
@@ -161,10 +162,10 @@ class SweepOptions:
 
 def spectrum(
     structures: Structure | Sequence[Structure],
-    motion: Motion | HasMotion,
+    motion: AnyMotion,
     grid: Grid | str | None = None,
     *,
-    method: Method | None = None,
+    method: Method | str | None = None,
     **options: Any,
 ) -> Spectrum:
     """Return the rocking spectrum of structures over a grid, in memory (section 2 of
@@ -176,13 +177,13 @@ def spectrum(
         one or more: parameters, documents, paths, or texts such as "block:0.5x2"; of
         those of equal restitution a linear spectrum over A and Omega is computed once
     motion
-        the motion of the ground
+        the motion of the ground: an object, the name of a pulse, or a path
     grid
         the cells, A and Omega, or a_g and a frequency, or a text that states them; a
         record needs none, and parse_grid(..., own_time=True) scales it
     method
-        the equation of motion; None for the nonlinear one if all geometries are known
-        and the axes have units, else the linear one
+        the equation of motion or its name, such as "linear"; None for the nonlinear one
+        if all geometries are known and the axes have units, else the linear one
     options
         `workers`: number of processes, None for all cores; `check`: number of cells
         that the reference computes again; `quantities`: more variables, such as
@@ -219,7 +220,7 @@ def _pulse_scene(
     structures: Sequence[RockingParameters],
     motion: Motion,
     grid: Grid,
-    method: Method | None,
+    method: Method | str | None,
 ) -> PulseScene:
     """Return the scene of structures under a pulse, by the governing equation unless a
     method is given.
@@ -228,7 +229,9 @@ def _pulse_scene(
         tuple(structures),
         grid,
         motion,
-        method or governing_method(*structures, dimensionless=grid.dimensionless),
+        Method.of(
+            method or governing_method(*structures, dimensionless=grid.dimensionless)
+        ),
     )
 
 
@@ -259,11 +262,11 @@ def spectrum_of(scene: Scene, options: SweepOptions | None = None) -> Spectrum:
 
 def write_spectrum(
     structures: Structure | Sequence[Structure],
-    motion: Motion,
+    motion: AnyMotion,
     grid: Grid | str,
     path: str | Path,
     *,
-    method: Method | None = None,
+    method: Method | str | None = None,
     **options: Any,
 ) -> Summary:
     """Compute a spectrum of structures under a pulse and stream it into an HDF5 file.
@@ -276,7 +279,7 @@ def write_spectrum(
     structures
         one or more as in `spectrum`, with distinct names
     motion
-        the pulse
+        the pulse: an object, its name, or the path of a motion document
     grid
         the cells, A and Omega, or a_g and a frequency, or a text that states them
     path

@@ -108,8 +108,8 @@ def read_documents(path: str | Path) -> list[Document]:
     Parameters
     ----------
     path
-        a YAML, JSON or CSV file, "-" for standard input, or a text such as
-        "block:0.5x2", which is a document itself
+        a YAML, JSON or CSV file, "-" for standard input, or a text that is a document
+        itself, such as "block:0.5x2" or "{kind: block, width: 0.5, height: 2}"
 
     Returns
     -------
@@ -128,8 +128,12 @@ def read_documents(path: str | Path) -> list[Document]:
     >>> [document.source for document in read_documents("configs/arch.yaml")]
     ['configs/arch.yaml']
     """
+    from ..documents.files import is_document_text
+    from ..documents.parsing import parse_documents
     from ..documents.parsing import read_documents as of_file
 
+    if isinstance(path, str) and is_document_text(path):
+        return parse_documents(path)
     stated = None
     if ":" in str(path):
         from .inline import inline_document

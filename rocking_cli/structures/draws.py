@@ -6,12 +6,14 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Iterable, Iterator
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from ..documents.quantities import si_unit
 from ..errors import DocumentError, UsageError
+from .given import document_from
 from .parameters import RockingParameters, numbers_of
 
 if TYPE_CHECKING:
@@ -75,7 +77,9 @@ def uncertain_keys(document: Document) -> list[Uncertain]:
     return sorted(document.uncertain.values(), key=place)
 
 
-def draws(document: Document, n: int = DRAWS, seed: int = 0) -> Iterator[Draw]:
+def draws(
+    document: Document | str | Path, n: int = DRAWS, seed: int = 0
+) -> Iterator[Draw]:
     """Yield draws of a structure whose keys have spreads.
 
     The keys are independent of each other. Coordinate k of the points of a scrambled
@@ -85,7 +89,7 @@ def draws(document: Document, n: int = DRAWS, seed: int = 0) -> Iterator[Draw]:
     Parameters
     ----------
     document
-        a structure document
+        the structure: a document, a path, or a text such as "block:0.62+-0.01x2"
     n
         number of draws, rounded up to a power of two
     seed
@@ -105,13 +109,14 @@ def draws(document: Document, n: int = DRAWS, seed: int = 0) -> Iterator[Draw]:
 
     Examples
     --------
-    >>> (document,) = read_documents('block:0.5+-0.01x2')
-    >>> found = [draw.parameters.uplift for draw in draws(document, 256)]
+    >>> wall = "block:0.5+-0.01x2"
+    >>> found = [draw.parameters.uplift for draw in draws(wall, 256)]
     >>> round(sum(found) / 256, 4)
     0.25
     """
     from . import build_structure
 
+    document = document_from(document)
     keys = uncertain_keys(document)
     if not keys:
         raise UsageError(

@@ -6,6 +6,7 @@ import itertools
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from pathlib import Path
 from typing import NamedTuple
 
 from ..documents.document import Document
@@ -19,6 +20,7 @@ from ..documents.quantities import (
 )
 from ..documents.spreads import is_spread
 from ..errors import DocumentError, UsageError
+from .given import document_from
 from .parameters import OTHERS, RockingParameters
 
 MAX_MEMBERS = 1_000_000
@@ -166,17 +168,19 @@ def members(variations: Sequence[Variation]) -> int:
 
 
 def family(
-    document: Document, variations: Sequence[Variation | str], each: bool = False
+    document: Document | str | Path,
+    variations: Variation | str | Sequence[Variation | str],
+    each: bool = False,
 ) -> Iterator[Member]:
     """Yield a structure for each combination of varied values.
 
     Parameters
     ----------
     document
-        the structure
+        the structure: a document, a path, or a text such as "block:0.5x2"
     variations
-        the keys and their values, or texts as `parse_variation` reads them; the last
-        key varies fastest
+        the keys and their values, or texts as `parse_variation` reads them, one or
+        several; the last key varies fastest
     each
         True: a stack has a member for each interface, see `on_each_interface`
 
@@ -194,12 +198,15 @@ def family(
 
     Examples
     --------
-    >>> (document,) = read_documents("configs/block.yaml")
-    >>> [round(member.parameters.p, 4) for member in family(document, ["height=2:4:3"])]
+    >>> members = family("configs/block.yaml", "height=2:4:3")
+    >>> [round(member.parameters.p, 4) for member in members]
     [2.6717, 2.1996, 1.9106]
     """
     from . import on_each_interface
 
+    document = document_from(document)
+    if isinstance(variations, str | Variation):
+        variations = [variations]
     # parameters: each interface has its own keys
     if each and document.values.get(OTHERS):
         for one in on_each_interface(document):

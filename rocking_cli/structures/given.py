@@ -1,5 +1,5 @@
 """What Python gives as a structure: parameters, a document, or what the command line
-takes, a path or a text such as `block:0.5x2`.
+takes, a path or a text such as `block:0.5x2`, or the text of a document.
 """
 
 from collections.abc import Sequence
@@ -7,7 +7,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Union
 
 from ..errors import UsageError
-from . import build_structure, load_structures, with_distinct_names
+from . import (
+    build_structure,
+    load_structures,
+    read_documents,
+    with_distinct_names,
+)
 from .parameters import RockingParameters
 
 if TYPE_CHECKING:
@@ -15,6 +20,34 @@ if TYPE_CHECKING:
 
 # A document is named only: what has no document does not import their reader.
 Structure = Union[RockingParameters, "Document", str, Path]
+
+
+def documents_from(
+    given: "Document | str | Path | Sequence[Document | str | Path]",
+) -> "list[Document]":
+    """Return the documents of one or several, those of a path in the order of its file.
+    Raises UsageError and DocumentError as `read_documents` does.
+    """
+    several: Sequence[Document | str | Path]
+    if isinstance(given, str) or not isinstance(given, Sequence):
+        several = [given]
+    else:
+        several = given
+    found: list[Document] = []
+    for one in several:
+        found += read_documents(one) if isinstance(one, str | Path) else [one]
+    return found
+
+
+def document_from(given: "Document | str | Path") -> "Document":
+    """Return the only document of what was given. Raises UsageError for several."""
+    found = documents_from(given)
+    if len(found) > 1:
+        raise UsageError(
+            f"{found[0].source}: found {len(found)} documents; expected one:"
+            " read_documents reads them all"
+        )
+    return found[0]
 
 
 def structures_from(given: Structure | Sequence[Structure]) -> list[RockingParameters]:

@@ -389,7 +389,9 @@ class _Reading:
             found["additionalProperties"] = False
         needs = self.needs.get(inside, [])
         least = [one for one in needs if not any(other < one for other in needs)]
-        if least and frozenset() not in least:
+        if len(least) == 1 and least[0]:
+            found["required"] = sorted(least[0])
+        elif least and frozenset() not in least:
             found["anyOf"] = [{"required": sorted(one)} for one in least]
         return found
 
@@ -411,9 +413,7 @@ class _Reading:
         found = [self._one_form(path, form, same) for form, same in asked.items()]
         if self._takes(path, _MIRRORED) and asked.keys() & {"parts"}:
             found.append({"enum": [_MIRRORED, None]})
-        if len(found) == 1:
-            return found[0]
-        return {"anyOf": found} if found else {}  # {}: asked for in another way
+        return _by_type(found) if found else {}  # {}: asked for in another way
 
     def _one_form(self, path: str, form: str, asked: list[Question]) -> Schema:
         """Return the schema of the values of a key in one of its forms."""
@@ -473,6 +473,23 @@ class _Reading:
         return "." not in path and any(
             self._read({**node, path: value}) for node in self.whole
         )
+
+
+def _by_type(forms: list[Schema]) -> Schema:
+    """Return the schema of values in one of these forms. A mapping or a list is held
+    against its own form, so that a fault inside it is told at its key.
+    """
+    if len(forms) == 1:
+        return forms[0]
+    held = [one for one in forms if "properties" in one or "items" in one]
+    plain = [one for one in forms if one not in held]
+    if len(held) != 1:
+        return {"anyOf": forms}
+    return {
+        "if": {"type": held[0]["type"]},
+        "then": held[0],
+        "else": plain[0] if len(plain) == 1 else {"anyOf": plain},
+    }
 
 
 def _first_item(at: Any, key: str, named: bool) -> Any:

@@ -118,6 +118,7 @@ def test_every_public_function_of_one_demand_refuses_a_grid_of_several_cells(tmp
         "target": tmp_path / "r.html",
     }
     given |= {"spectrum": tmp_path / "s.h5"}
+    given |= {"document": BLOCK, "varied": "width=1:2:2", "shakes": motion}
     asked = {
         name: function
         for name in dir(rocking_cli)

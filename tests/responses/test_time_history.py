@@ -212,3 +212,32 @@ def test_what_falls_or_has_no_geometry_has_no_top():
         ).top_displacement("linear")
         is None
     )
+
+
+def test_rows_end_where_the_body_loses_contact():
+    body = built("kind: block\nwidth: 2\nheight: 2\nrestitution: 0.5\n")
+    methods = [LINEAR, Method("nonlinear")]
+    found = time_history(body, sine(), "a_g=6g,f_g=5", methods)
+    ends = {e["model"]: e for e in found.events() if e["event"] == "lost contact"}
+    first, last = sorted(ends, key=lambda model: ends[model]["t"])
+    *rows, end = found.rows()
+    assert end["t"] == pytest.approx(ends[last]["t"], rel=1e-12)
+    assert end[f"theta_{last}"] == pytest.approx(ends[last]["theta"], rel=1e-9)
+    for row in rows:  # an equation whose body has lost contact says nothing more
+        known = row[f"theta_{first}"] is not None
+        assert known == (row["t"] <= ends[first]["t"])
+    for line, model in zip(found.summary(), found.histories, strict=True):
+        assert f"loses contact with the ground at {ends[model]['t']:.4g} s" in line
+        assert "largest theta" not in line
+
+
+def test_a_loss_of_contact_during_a_fall_is_told():
+    said = [
+        next(time_history("block:0.5x2", sine(), f"a_g={a_g}g,f_g=1").summary())
+        for a_g in (1, 2)
+    ]
+    told = ["during its fall, which is therefore not proved" in line for line in said]
+    assert told == [False, True]
+    verdict = check("block:0.5x2", sine(), "a_g=2g,f_g=1", a_max=None)
+    assert verdict.row()["lost_in_fall"]
+    assert verdict.fz_min < 0.0

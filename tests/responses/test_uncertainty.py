@@ -12,7 +12,7 @@ import rocking_cli as rk
 from rocking_cli.dynamics.method import governing_method
 from rocking_cli.dynamics.outcome import safe
 from rocking_cli.motions.biaxial import with_vertical
-from rocking_cli.motions.grid import demand_of
+from rocking_cli.motions.given import demand_of
 from rocking_cli.responses.shares import ShareOfDraws, first_order_indices
 from rocking_cli.responses.together import (
     Together,

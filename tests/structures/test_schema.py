@@ -211,7 +211,7 @@ def test_documents_that_state_other_keys_are_valid(schema):
         build_structure(document)
 
 
-UNKNOWN, FRICTION = "additionalProperties", (".friction", "anyOf")
+UNKNOWN = "additionalProperties"
 
 
 def loads(text):
@@ -258,10 +258,20 @@ def loads(text):
         ),
         (
             "{kind: block, width: 1, height: 4, friction: {static: 0, kinetic: 0.3}}",
-            (".friction", "anyOf"),
+            (".friction.static", "exclusiveMinimum"),
         ),
-        ("{kind: block, width: 1, height: 4, friction: {static: 1}}", FRICTION),
-        ("{kind: block, width: 1, height: 4, friction: -0.3}", FRICTION),
+        (
+            "{kind: block, width: 1, height: 4, friction: {static: 0.3 m, kinetic: 1}}",
+            (".friction.static", "pattern"),
+        ),
+        (
+            "{kind: block, width: 1, height: 4, friction: {static: 1}}",
+            (".friction", "required"),
+        ),
+        (
+            "{kind: block, width: 1, height: 4, friction: -0.3}",
+            (".friction", "exclusiveMinimum"),
+        ),
         (
             "{kind: block, width: 1, height: 4, mass: 9 t, strength: 2 kN, depth: 1}",
             (".strength", "pattern"),
@@ -312,7 +322,7 @@ other_side: mirrored
         ("body: one, ", "", (".loads.0", "anyOf")),
         ("inertia: vertical", "inertia: sideways", (".loads.0.inertia", "enum")),
         ("weight: 2 kN", "weight: 0", (".loads.0.weight", "exclusiveMinimum")),
-        ("mirrored", "mirorred", (".other_side", "anyOf")),
+        ("mirrored", "mirorred", (".other_side", "enum")),
         ("other_side: mirrored", "crack_height: 2", (".crack_height", UNKNOWN)),
     ],
 )
@@ -329,8 +339,13 @@ def test_a_bad_mechanism_is_refused_by_both(schema, old, new, fault):
 
 
 def test_it_uses_only_keywords_that_the_check_knows(schema):
-    known = {*CHECKS, "$ref", "allOf", "anyOf", "if", "then", "properties", "items"}
-    known |= {"additionalProperties", "description", "patternErrorMessage"}
+    known = {*CHECKS, "$ref", "allOf", "anyOf", "if", "then", "else", "items"}
+    known |= {
+        "properties",
+        "additionalProperties",
+        "description",
+        "patternErrorMessage",
+    }
     known |= {"$schema", "title", "definitions"}
 
     def keywords(one):
@@ -338,7 +353,7 @@ def test_it_uses_only_keywords_that_the_check_knows(schema):
         for key in ("properties", "definitions"):
             for inner in one.get(key, {}).values():
                 yield from keywords(inner)
-        inner = [one[key] for key in ("items", "if", "then") if key in one]
+        inner = [one[key] for key in ("items", "if", "then", "else") if key in one]
         for other in (*inner, *one.get("allOf", ()), *one.get("anyOf", ())):
             yield from keywords(other)
 

@@ -27,8 +27,11 @@ def faults(schema, value, root=None, path=""):
         any(faults(one, value, root, path)) for one in schema["anyOf"]
     ):
         yield path, "anyOf"
-    if "if" in schema and not any(faults(schema["if"], value, root, path)):
-        yield from faults(schema["then"], value, root, path)
+    if "if" in schema:
+        holds = not any(faults(schema["if"], value, root, path))
+        yield from faults(
+            schema.get("then" if holds else "else", {}), value, root, path
+        )
     if isinstance(value, dict):
         for key, one in value.items():
             if key in schema.get("properties", ()):

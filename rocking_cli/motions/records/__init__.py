@@ -298,6 +298,11 @@ def read_record(
     return pick(read_records(path, unit=unit, dt=dt, column=column), component)
 
 
+def record_from(given: Record | str | Path) -> Record:
+    """Return the record itself, or that of a path, as `read_record` does."""
+    return read_record(given) if isinstance(given, str | Path) else given
+
+
 def unknown(source: str, raw: bytes) -> str:
     """Return the message for a file of no known format."""
     try:

@@ -8,7 +8,7 @@ import re
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
-from .directions import is_direction, is_up_alone
+from .directions import direction_behind, is_direction, is_up_alone, up_at_end
 from .factors import states_factor
 from .headings import (
     ACCELERATION,
@@ -46,7 +46,9 @@ _STEP_WORDS = (
     r"\bornekleme araligi\b|时间间隔|采样间隔|\b(?:time )?step(?:"
     r" size)?\b(?=\s*[\[(:=])|"
     r"\b(?:equally )?spaced (?:intervals )?(?:at|of|by)\b|"
-    r"\binterval(?:s|o)? (?:of\b|de\b|:)|\bincrement\b|\bevery\b|\bat intervals of\b"
+    r"\binterval(?:s|o)? (?:of\b|de\b|:)|\bincrement\b|\bevery\b|\bat intervals of\b|"
+    r"\bd\.\s?t\.|\bt_?step\b|\bsampling t\b|"
+    r"^(?:interval|step)\b(?=\s*[:=]?\s*\.?\d[\d.e-]*\s*(?:m?s|secs?|seconds?|msec)\b)"
 )
 _RATE_WORDS = (
     r"^(?:frequency|freq|rate)\b(?=\s*[:=(]?\s*[\d(])|"
@@ -73,6 +75,16 @@ _AT_RATE = re.compile(
     r" sec\w*)(?![a-z])"
 )
 _ALONE = re.compile(rf"\s*{_NUM}\s*(s|sec|secs|seconds?|ms|msec|us)\.?\s*")
+_STEP_BEHIND = re.compile(
+    rf"{_NUM}\s*(s|sec|secs|seconds?|ms|msec)\.?\s*(?:time |sampling )?"
+    r"(?:steps?|intervals?|spacing|sampling)\b"
+)
+# a time by a name that does not say which: the step, or a period
+_A_TIME = re.compile(
+    r"\W*(?:t|h|tau|time|zeit|tiempo|tempo|temps|period|sec|s)(?!\w)"
+    rf"\s*(?:[\[(]\s*[a-z]+\s*[\])])?\s*[:=,;]?\s*{_NUM}(?![\w/])"
+)
+_ARITHMETIC = re.compile(r"\s*(?:/|-|\.\.|\bx\b|\*)\s*[.\d]")  # 1/100, 0.01 - 0.02
 _COUNT = re.compile(rf"(?:{_COUNT_WORDS}){_KEY}(\d+)(?![\d.])")
 _SO_MANY = re.compile(
     r"\b(\d+)\s+(?:data )?(?:points|samples|pts|values)\b(?!\s*/|\s*per)"
@@ -83,18 +95,39 @@ _UNITS = re.compile(
     r"(?:\s+of\s+\w+)?(?:\s*(?:[:=,;\t]|\b(?:of|are|is|in)\b)\s*)+(\S.*)"
 )
 _COMPONENT = re.compile(
-    r"\b(?:comp(?:onent|onente)?|ch(?:an(?:nel)?)?(?=[\s\d.:=])"
+    r"\b(?:comp(?:onent|onente)?|(?:ch(?:an(?:nel)?)?|chn|kanal|canale?)(?=[\s\d.:=])"
     r"|dir(?:ection|eccion|ezione)?|orientation|composante|richtung|bilesen|yon)"
-    r"(?![a-z])\.?\s*(?:\d+\s*)?[:=,;\t(]?\s*([-+\w./]+(?: deg)?)",
+    r"(?![a-z])\.?\s*(?:\d+\s*)?",
     re.IGNORECASE,
 )
 _NOT_OF_THE_RECORD = re.compile(
     r"\b(?:peak|max\w*|pg[avd]|vs"
     r" ?_?30|wave|magnitude|highest|largest)\b|\bvs\b|\b(?:arias|ia|cav)\b\D*\d"
 )
-_OF_A_SPECTRUM = re.compile(
-    r"compatib|match|artificial|synthetic|time.?(?:history|series)"
+_SPECTRUM = re.compile(r"spe[ck]tr|spettr|\bresp\w*\W+spec\b|\bspec\W+acc")
+# a line that begins with the short name of a spectrum, as SA TIME SERIES
+_SHORT_SPECTRUM = re.compile(
+    r"\W*(?:[pr]?sa|s[vde]|rs)\W*(?:$|\b(?:time|history|series|in|values?|data|g)\b)"
 )
+# what a motion is made for, as in `spectrum-compatible` or `matched to the spectrum`
+_COMPATIBLE = re.compile(
+    r"(?:response |design |target |elastic |code )*\w*(?:spe[ck]tr|spettr)\w*[\s-]*"
+    r"(?:[ck]ompatib|match|fitted|consistent)\w*"
+)
+_AIM = re.compile(
+    r"\b(?:for|from|to|with|con|mit|zu|avec) (?:[^\s,;]+ ){0,5}?"
+    r"(?:\w*(?:spe[ck]tr|spettr)\w*|uhs|\w*intensity|rotd\d+)"
+)
+# what a spectrum may be the aim of
+_AIMED = re.compile(
+    r"accelerogram|\bmotion|\btime.?(?:history|series)|\brecord|\bsignal|[ck]ompatib"
+    r"|\bmatch|\bfitted|\bscaled|\badjusted|\bconsistent"
+)
+_IN_TIME = re.compile(
+    r"accelerogram|\bacceleration(?! (?:response|design|\w*spe[ck]tr))|\bmotion"
+    r"|\btime.?(?:history|series)"
+)
+_MADE = re.compile(r"artificial|synthetic|simulated|generated")
 _KEYED = re.compile(r"\s*[^:=]{1,60}[:=]\s*\S|[^,;\t]{1,60}[,;\t]\s*[-+]?\.?\d")
 _AFTER = re.compile(
     r"(?:\bin\b|[,:=])\s*(?:units? of\s+)?([^,:=;]+?)\s*(?=[;,]|\. |$)", re.IGNORECASE
@@ -150,6 +183,8 @@ class Claims:
     seconds: float | None = None  # unit of the times [s]
     acceleration: bool = False  # a line names an acceleration
     quoted: dict[str, str] = field(default_factory=dict)  # the line of each statement
+    # a line that states the step or a period, as `T = 0.01 s`, and its number
+    some_time: tuple[str, int] | None = None
 
     def take(self, line: str, at: int, strict: bool = False) -> None:
         """Take what a line says; strict: a line that is there to state the quantity.
@@ -164,6 +199,8 @@ class Claims:
         self._quantity(text, words, at)
         if strict and self.acceleration:
             self._no_other(words, at)
+        elif strict and _SHORT_SPECTRUM.match(text):
+            raise self.fault(f"found {words!r}; expected an acceleration", at)
         self._units(text, words, at)
         for unit in () if _NOT_OF_THE_RECORD.search(text) else units_in(words):
             self.state("unit", unit, words, at)
@@ -178,8 +215,10 @@ class Claims:
             and len(named.component or _LONG) < len(_LONG)
         ):
             self.component = named.component
+        elif not _KEYED.match(words) and (up := up_at_end(words)) is not None:
+            self.component = up
         for found in _COMPONENT.finditer(words):
-            said = found[1].strip(".")
+            said = direction_behind(words[found.end() :])
             if is_direction(said) or cell_of(said).component is not None:
                 self.component = said if is_direction(said) else cell_of(said).component
 
@@ -206,22 +245,23 @@ class Claims:
         """Refuse a line that names another quantity; take the unit
         of an acceleration.
         """
-        others = others_in(words)
+        said = _without_aim(text)
+        others = others_in(said)
         kind = dimension_of(words)
         if kind not in (None, "acceleration", "time", "frequency", "unknown"):
             raise self.fault(f"found {words!r}; expected an acceleration", at)
         if kind == "acceleration":
             self.state("unit", unit_of(words), words, at)
             return
-        if names_acceleration(words) and not _spectral(others, text):
+        spectral = _spectral(others) or _SPECTRUM.search(said) is not None
+        if names_acceleration(words) and not spectral:
             if _NOT_OF_THE_RECORD.search(text):
                 return
             self.acceleration = True
             self._unit_beside(words, at)
             return
         beside = _NOT_OF_THE_RECORD.search(text) or _KEYED.match(words)
-        matched = _OF_A_SPECTRUM.search(text) and _spectral(others, "")
-        if others and not beside and not matched:
+        if (others or spectral) and not beside:
             raise self.fault(f"found {words!r}; expected an acceleration", at)
         if _KEYED.match(words):
             self._keyed(words, at)
@@ -339,11 +379,17 @@ class Claims:
             return
         rates = [found for found in _RATE.finditer(text) if found[2] is not None]
         for found in rates:
+            self._whole_number(text[found.end(2) :], words, at)
             self._rate(found, words, at)
         for found in _AT_RATE.finditer(text) if not rates else ():
             self._hertz(found[1], rate_unit(found[2]) or 1.0, words, at)
+        if (behind := _STEP_BEHIND.match(text)) is not None:
+            self._step(behind[1], behind[2], words, at)
+        if self.step is None and _A_TIME.match(text) is not None:
+            self.some_time = words, at
         for found in _STEP.finditer(text):
             if found[2] is not None:
+                self._whole_number(text[found.end(2) :], words, at)
                 self._step(found[2], found[3] or found[1] or "", words, at)
             elif found[0].rstrip()[-1:] in (":", "="):
                 raise self.fault(
@@ -366,6 +412,13 @@ class Claims:
         if seconds is None and value >= 1.0:
             raise self.fault(f"found {words!r}, a time step without a unit", at)
         self.state("step", value * (seconds or 1.0), words, at)
+
+    def _whole_number(self, behind: str, words: str, at: int) -> None:
+        """Refuse a number that goes on, as of `dt = 1/100 s`."""
+        if _ARITHMETIC.match(behind):
+            raise self.fault(
+                f"found {words!r}; expected one number, such as 0.01 s or 100 Hz", at
+            )
 
     def _rate(self, found: re.Match[str], words: str, at: int) -> None:
         """State the time step of a sampling rate; the unit may be one of time. Raises
@@ -427,11 +480,22 @@ def _unknown(word: str) -> bool:
     ).role == UNKNOWN
 
 
-def _spectral(others: list[str], text: str) -> bool:
-    known = [
-        x for x in others if "spectrum" in x or "intensity" in x or x == "rotation"
-    ]
-    return bool(known) and not _OF_A_SPECTRUM.search(text)
+def _spectral(others: list[str]) -> bool:
+    return any("spectrum" in x or "intensity" in x or x == "rotation" for x in others)
+
+
+def _without_aim(text: str) -> str:
+    """Return a line without the spectrum or intensity that its motion was made for,
+    and without the word of a response in time.
+    """
+    said = re.sub(r"\bresponse (?=time.?(?:history|series))", "", text)
+    said = _COMPATIBLE.sub(" compatible ", said)
+    aim = _AIM.search(said)
+    if aim is not None and _AIMED.search(said[: aim.start()]):
+        said = said[: aim.start()] + said[aim.end() :]
+    clauses = re.split(r"[,;()]", said)
+    made = [x for x in clauses if _MADE.search(x) and _IN_TIME.search(x)]
+    return next((x for x in made if not _SPECTRUM.search(x)), said)
 
 
 def _same(one: object, other: object) -> bool:

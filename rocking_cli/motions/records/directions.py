@@ -34,6 +34,37 @@ _ACROSS = re.compile(
 )
 
 
+# what stands between `Component` and the direction, as in `Component: CHAN 2: UP`
+_CHANNEL = re.compile(
+    r"(?:[\s:=,;(\[#]+|[-–](?=\s)"
+    r"|(?:chan(?:nel)?|chn|ch|sensor|trace|track|loc(?:ation)?|kanal|canale?)\.?\s*"
+    r"(?:no\.?\s*)?\d{0,3}(?![\w.])"
+    r"|acc\w*\.?(?=\s)"
+    r"|\d{1,2}(?=\s*[:=(\[]|\s+[-–]\s))*"
+    r"([-+\w./]+(?: deg)?)",
+    re.IGNORECASE,
+)
+_TITLE_OF_UP = re.compile(
+    r"(\bvert(?:ical)?|(?<=[-–] )(?:up|ud|u-d|down|dn|vrt)|(?<=comp )[vz])"
+    r"(?:\s+comp(?:onent)?\.?)?\W*$",
+    re.IGNORECASE,
+)
+
+
+def direction_behind(words: str) -> str:
+    """Return the word behind `Component` and words such as CHAN 2, which may be a
+    direction.
+    """
+    found = _CHANNEL.match(words)
+    return "" if found is None else found[1].strip(".")
+
+
+def up_at_end(title: str) -> str | None:
+    """Return the vertical direction at the end of a title, as of EL CENTRO VERTICAL."""
+    found = _TITLE_OF_UP.search(title)
+    return None if found is None else found[1]
+
+
 def is_up(name: str) -> bool:
     """True if a name states the vertical direction."""
     return _VERTICAL.search(plain(name).strip()) is not None

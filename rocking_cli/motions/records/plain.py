@@ -335,6 +335,13 @@ class _Table:
         """The step [s] that a heading or the user states."""
         said, given = self.claims.step, self.text.given.dt
         columns = "one column of numbers" if self.width == 1 else "numbers"
+        if said is None and given is None and self.claims.some_time is not None:
+            words, line = self.claims.some_time
+            raise self.text.fault(
+                f"found {words!r}, which may be the step or a period; give the step as"
+                " `dt`",
+                line,
+            )
         if said is None and given is None:
             raise DocumentError(
                 f"{self.text.source}: {columns} without times; give their step as `dt`"

@@ -2,15 +2,16 @@
 lines. The components of a file.
 """
 
+import hashlib
 from collections.abc import Sequence
 from dataclasses import dataclass
 from decimal import Decimal
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 
 from ...documents.quantities import DEFAULT_GRAVITY, parse_whole
-from ...errors import DocumentError, MotionError, NoComponent, UsageError
+from ...errors import ArgumentError, DocumentError, MotionError, NoComponent, UsageError
 from ...showing import Shown
 from ..blocks import largest
 from ..motion import checked_scale
@@ -80,9 +81,10 @@ def require_series(read: object) -> None:
 class Record(Shown):
     """One component of a ground motion as recorded.
 
-    `read_record` makes one. `motion` is its motion, `npts` and `duration` its length,
-    `intensity` measures it. Raises DocumentError for fewer than two samples, for one
-    that is not finite or beyond 1e6 m/s2, and for dt outside 1e-7 to 1000 s.
+    `read_record` makes one of a file, `Record.of` one of an array. `motion` is its
+    motion, `npts` and `duration` its length, `intensity` measures it. Raises
+    DocumentError for fewer than two samples, for one that is not finite or beyond 1e6
+    m/s2, and for dt outside 1e-7 to 1000 s.
 
     Attributes
     ----------
@@ -116,6 +118,57 @@ class Record(Shown):
     source: str  # the file, for messages
     sha256: str  # of the file
     remarks: tuple[str, ...] = ()  # sentences for the user
+
+    @classmethod
+    def of(
+        cls,
+        acceleration: Sequence[float] | np.ndarray,
+        dt: float,
+        name: str = "record",
+    ) -> Self:
+        """Return the record of an array.
+
+        Parameters
+        ----------
+        acceleration
+            samples at equal steps [m/s2], (npts,)
+        dt
+            time step [s]
+        name
+            for tables and messages
+
+        Returns
+        -------
+        Record
+
+        Raises
+        ------
+        ArgumentError
+            for what is no list of numbers, and a step that is no number
+        DocumentError
+            for fewer than two samples, one that is not finite or beyond 1e6 m/s2, and
+            a step outside 1e-7 to 1000 s
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> record = Record.of(3.0 * np.sin(0.1 * np.arange(200)), dt=0.02)
+        >>> check("block:0.5x2", record, a_max=None).outcome.flag
+        'rocked'
+        """
+        try:
+            samples, step = np.array(acceleration, dtype=float), float(dt)
+        except (TypeError, ValueError) as error:
+            raise ArgumentError(
+                f"{name}: {error}; expected samples in m/s2 and a step in s"
+            ) from None
+        if samples.ndim != 1:
+            raise ArgumentError(
+                f"{name}: `acceleration`: found an array of the shape {samples.shape};"
+                " expected one of one dimension, samples in m/s2"
+            )
+        digest = hashlib.sha256(samples.tobytes()).hexdigest()
+        return cls(name, "array", None, step, samples, None, "m/s2", name, digest)
 
     def __post_init__(self) -> None:
         if not STEPS[0] <= self.dt <= STEPS[1]:

@@ -33,7 +33,7 @@ def draw_structures(
     look: Look | None = None,
     overwrite: bool = True,
     tell: Callable[[str], None] | None = None,
-) -> None:
+) -> Axes | None:
     """Draw structures to scale, each in its own panel of a PNG, SVG or PDF file, or one
     into Axes.
 
@@ -53,6 +53,11 @@ def draw_structures(
     tell
         called with a sentence on a structure that is left out, and on characters that
         the font lacks
+
+    Returns
+    -------
+    Axes or None
+        the Axes if the target is one
 
     Raises
     ------
@@ -74,7 +79,7 @@ def draw_structures(
                 f"found {len(found)} structures; expected one, or a file as target"
             )
         structure_axes(require_axes(target), *found[0], units or Units())
-        return
+        return target
     with canvas(target, overwrite, look=look, tell=tell) as figure:
         drawn = panels(figure, len(found))
         units = units or Units()
@@ -92,6 +97,7 @@ def draw_structures(
         figure.set_size_inches(
             _WIDTH * across, -(-len(found) // across) * (1.0 + (_WIDTH - 0.6) * shape)
         )
+    return None
 
 
 def _shape(axes: Axes) -> float:

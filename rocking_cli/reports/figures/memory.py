@@ -3,6 +3,7 @@ the cells of a spectra file.
 """
 
 from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import replace
 from typing import Any, cast
 
 import numpy as np
@@ -12,6 +13,9 @@ from ...errors import ArgumentError
 from ...fragility.fitted_curve import Fit
 from ...motions.grid import Grid
 from ...motions.motion import Motion
+from ...motions.recording import Recording
+from ...motions.records import Record
+from ...responses.sliding import SlideHistory
 from ...responses.time_history import TimeHistory
 from ...responses.verdict import Verdict
 from ...spectra.file.reader import SpectraFile
@@ -21,7 +25,8 @@ from ..rows import Rows
 
 _EXPECTED = (
     "a path, several paths, or a result of time_history, spectrum, check, envelope,"
-    " trace_envelope, closed_form_curves or fragility"
+    " trace_envelope, closed_form_curves, fragility, slide_history or load_records;"
+    " draw_structures draws structures"
 )
 
 
@@ -67,8 +72,25 @@ class _Cells:
 
 
 def memory_file(source: Any) -> SpectraFile | None:
-    """Return a spectrum in memory as a file of it; None for another thing."""
+    """Return an open file, or a spectrum in memory as a file of it; None for another
+    thing.
+    """
+    if isinstance(source, SpectraFile):
+        return source
     return cast(SpectraFile, _Cells(source)) if isinstance(source, Spectrum) else None
+
+
+def memory_records(source: Any) -> list[Record]:
+    """Return one or several records in memory, scaled; empty for another thing."""
+    several = source if isinstance(source, list | tuple) else [source]
+    if not all(isinstance(one, Record | Recording) for one in several):
+        return []
+    return [
+        replace(one.record, acceleration=one.factor * one.record.acceleration)
+        if isinstance(one, Recording)
+        else one
+        for one in several
+    ]
 
 
 def memory_rows(source: Any) -> Rows:
@@ -97,7 +119,7 @@ def _rows(one: Any) -> Iterator[Mapping[str, Any]]:
 
     if isinstance(one, Mapping):
         yield one
-    elif isinstance(one, TimeHistory):
+    elif isinstance(one, TimeHistory | SlideHistory):
         yield from one.rows()
     elif isinstance(one, Verdict):
         yield one.row()

@@ -25,25 +25,33 @@ if TYPE_CHECKING:
     from ...motions.records.record import Record
 
 
-def traces(figure: Figure, records: Sequence["Record"], units: Units) -> list[Axes]:
+def traces(
+    figure: Figure,
+    records: Sequence["Record"],
+    units: Units,
+    alone: Axes | None = None,
+) -> list[Axes]:
     """Draw acceleration, velocity and displacement of records over time, a colour for
-    each component. The ground begins at rest.
+    each component. The ground begins at rest. alone: Axes for the acceleration only.
     """
     from scipy.integrate import cumulative_trapezoid
 
-    figure.set_size_inches(6.4, 5.0)
-    axes = list(figure.subplots(3, 1, sharex=True))
+    if alone is None:
+        figure.set_size_inches(6.4, 5.0)
+        axes = list(figure.subplots(3, 1, sharex=True))
+    else:
+        axes = [alone]
     for i, record in enumerate(records):
         t = record.dt * np.arange(record.npts)
         acceleration = np.asarray(record.acceleration)
         velocity = cumulative_trapezoid(acceleration, dx=record.dt, initial=0.0)
         displacement = cumulative_trapezoid(velocity, dx=record.dt, initial=0.0)
         courses = (acceleration, velocity, displacement)
-        for one, key, course in zip(axes, _COURSES, courses, strict=True):
+        for one, key, course in zip(axes, _COURSES, courses, strict=False):
             y = course / units.of(key)[1]
             style = {**line_style(i), "ls": "-", "lw": 0.8}
             one.plot(t, y, label=literal(record.label), **style)
-    for one, (key, name) in zip(axes, _COURSES.items(), strict=True):
+    for one, (key, name) in zip(axes, _COURSES.items(), strict=False):
         unit = units.of(key)[0]
         one.set_ylabel(f"{name}\n[{PLAIN.get(unit, unit)}]")
     axes[-1].set_xlabel(label("t", units))

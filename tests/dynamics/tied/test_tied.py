@@ -743,3 +743,43 @@ def test_the_ground_is_lost_where_another_integration_says():
     swept = response(EXACT.system_of(body), sine(), *cells)
     assert swept.outcome.tolist() == [Outcome.ROCKED, Outcome.LOST_CONTACT]
     assert np.isnan(swept.theta_ratio).tolist() == [False, True]
+
+
+def test_the_ground_is_lost_in_a_fall_where_another_integration_says():
+    """A tall wall under a weak tie overturns within half a cycle; the vertical force of
+    the ground vanishes on its way. `check` says so.
+    """
+    body = built(
+        "kind: block\nwidth: 0.6\nheight: 6\nmass: 7200\nties: [{height: 6,"
+        " stiffness: 2e3, side: both}]\n"
+    )
+    demand = "a_g=4g,f_g=1"
+    history = time_history(body, sine(), demand, [EXACT]).histories["nonlinear"]
+    assert history.outcome == Outcome.OVERTURNED_NO_IMPACT
+    assert check(body, sine(), demand, a_max=None).lost_in_fall
+    omega, radius = 2.0 * math.pi, math.hypot(0.3, 3.0)
+    alpha = math.atan(0.1)
+
+    def acceleration(t, u):
+        # stretch of the tie, h sin u, on the lever h cos u
+        pull = 2e3 * 6.0 * np.sin(u) * 6.0 * np.cos(u) / (7200.0 * G * radius)
+        push = 4.0 * np.sin(omega * t)
+        turning = push * np.cos(alpha - u) - np.sin(alpha - u) - pull
+        return 0.75 * G / radius * turning
+
+    def ground(t, state):
+        z = alpha - state[0]
+        lifted = acceleration(t, state[0]) * np.sin(z) - state[1] ** 2 * np.cos(z)
+        return G + radius * lifted
+
+    ground.terminal = True
+    found = solve_ivp(
+        lambda t, s: (s[1], acceleration(t, s[0])),
+        (math.asin(0.1 / 4.0) / omega, 1.0),
+        (0.0, 0.0),
+        "DOP853",
+        events=ground,
+        rtol=1e-12,
+        atol=1e-14,
+    )
+    assert history.lost / body.p == pytest.approx(found.t_events[0][0], abs=1e-9)

@@ -204,6 +204,11 @@ ONE = {
     "サンプリング周波数 100 Hz\n単位 gal": ("gal", None),
     "CH3 (UP)\ndt=0.01 s, g": ("g", "UP"),
     "Channel: acc_z\ndt=0.01 s, g": ("g", "acc_z"),
+    "Component: CHAN 2: UP\ndt=0.01 s, g": ("g", "UP"),
+    "Comp: Ch. 3 (Vertical)\nstep 0.01 s, g": ("g", "Vertical"),
+    "Component: Sensor 2 - 90 deg\ninterval 10 ms, g": ("g", "90 deg"),
+    "Nowhere - UP\n0.01 sec step, g": ("g", "UP"),
+    "Filter interval: 0.1-25 Hz\nProcessing step 3\nD.T. = 0.01 s, g": ("g", None),
 }
 
 
@@ -218,6 +223,21 @@ def test_one_column_is_read_as_the_lines_above_it_say(tmp_path, heading, said):
     )
     for given in ({"unit": "ft/s2"}, {"dt": 0.02}, {"unit": said[0], "dt": 0.005}):
         assert "the file says otherwise" in refusal(tmp_path / "a.txt", **given)
+
+
+@pytest.mark.parametrize("line", ["T = 0.01 s", "t: 10 ms", "Period (s) 0.01"])
+def test_a_time_that_may_be_the_step_or_a_period_is_asked_for(tmp_path, line):
+    path = tmp_path / "a.txt"
+    found = refusal(path, table(line, 1.0, times=None), unit="g")
+    assert f"1: found {line!r}, which may be the step or a period" in found
+    assert "give the step as `dt`" in found
+    assert read_record(path, unit="g", dt=0.01).dt == 0.01
+
+
+@pytest.mark.parametrize("line", ["dt = 0.5/100 s", "fs = 1/0.01 Hz", "dt = .01 - .02"])
+def test_a_step_that_goes_on_behind_its_number_is_refused(tmp_path, line):
+    found = refusal(tmp_path / "a.txt", table(line, 1.0, times=None), unit="g")
+    assert f"found {line!r}; expected one number" in found
 
 
 @pytest.mark.parametrize(

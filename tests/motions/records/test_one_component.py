@@ -447,3 +447,52 @@ def test_a_rate_in_seconds_is_a_remark(tmp_path):
 test_bad_files_of_smc_are_told_with_file_and_line = refuses(
     read_records, DocumentError, REFUSED, file="a", literal=True
 )
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "RESPONSE SPECTRUM TIME SERIES IN UNITS OF G",
+        "SPECTRAL ACCELERATION TIME HISTORY IN UNITS OF G",
+        "PSEUDO ACCELERATION TIME SERIES IN UNITS OF G",
+        "SA TIME SERIES IN UNITS OF G",
+        "ACCELERATION RESPONSESPECTRUM IN UNITS OF G",
+        "SYNTHETIC RESPONSE SPECTRUM, ACCELERATION IN UNITS OF G",
+        "COMPATIBLE RESPONSE SPECTRUM, UNITS OF G",
+        "VALUES FROM RESPONSE SPECTRUM IN UNITS OF G",
+        "ARIAS INTENSITY TIME SERIES IN UNITS OF G",
+        "Antwortspektrum in g",
+    ],
+)
+def test_a_spectrum_is_no_motion_whatever_stands_beside_its_name(tmp_path, line):
+    header = f"Title\nNowhere, 090\n{line}\nNPTS= 1003, DT= 0.005 SEC\n"
+    (tmp_path / "a.at2").write_text(header + body())
+    with pytest.raises(DocumentError) as raised:
+        read_record(tmp_path / "a.at2")
+    assert f"a.at2:3: found {line!r}; expected an acceleration" in str(raised.value)
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "SPECTRUM-COMPATIBLE TIME SERIES IN UNITS OF G",
+        "TIME HISTORY MATCHED TO RESPONSE SPECTRUM IN UNITS OF G",
+        "Artificial accelerogram, EC8 type 1 spectrum, units of g",
+        "Acceleration compatible with the EC8 spectrum, units of g",
+        "Acelerograma compatible con espectro de diseno, unidades: g",
+        "FLOOR RESPONSE TIME SERIES IN UNITS OF G",
+    ],
+)
+def test_a_motion_that_is_made_for_a_spectrum_is_read(tmp_path, line):
+    header = f"Title\nNowhere, 090\n{line}\nNPTS= 1003, DT= 0.005 SEC\n"
+    (tmp_path / "a.at2").write_text(header + body())
+    assert read_record(tmp_path / "a.at2").unit == "g"
+
+
+@pytest.mark.parametrize(
+    "title", ["Component: CHAN 2: UP", "NOWHERE VERTICAL", "Nowhere - Up", "COMP V"]
+)
+def test_a_vertical_component_is_found_in_a_title(tmp_path, title):
+    header = TITLE.replace("Nowhere, 1/2/1999, Anystation, 090", title)
+    (tmp_path / "a.at2").write_text(header + "NPTS= 1003, DT= 0.005 SEC\n" + body())
+    assert is_vertical(read_record(tmp_path / "a.at2"))

@@ -19,7 +19,7 @@ from support.packages import installed
 from support.record_layouts import at2, of_a_station, wave
 from support.refusals import refuses
 
-from rocking_cli.errors import DocumentError, RockingError, UsageError
+from rocking_cli.errors import ArgumentError, DocumentError, RockingError, UsageError
 from rocking_cli.motions import records
 from rocking_cli.motions.reading import record_files
 from rocking_cli.motions.records import Record, read_record, read_records
@@ -391,3 +391,18 @@ def test_of_an_array_nothing_is_taken_unless_it_is_asked_for():
     ):
         chosen(array, None)
     assert chosen(array, "horizontal") == array
+
+
+def test_a_record_of_an_array_is_that_of_a_file_of_its_numbers(tmp_path):
+    samples = 3.0 * np.sin(0.1 * np.arange(200))
+    numbers = "\n".join(repr(float(x)) for x in samples)
+    (tmp_path / "a.txt").write_text(f"dt = 0.02 s\n{numbers}\n")
+    wanted = read_record(tmp_path / "a.txt", unit="m/s2")
+    found = Record.of(samples, 0.02)
+    np.testing.assert_array_equal(found.acceleration, wanted.acceleration)
+    assert found.dt == wanted.dt
+    samples[0] = 9.0  # of the caller
+    assert found.acceleration[0] == 0.0
+    for wrong, said in (("abc", "expected samples"), ([[1.0, 2.0]], r"shape \(1, 2\)")):
+        with pytest.raises(ArgumentError, match=said):
+            Record.of(wrong, 0.02)
