@@ -106,6 +106,11 @@ _NOT_OF_THE_RECORD = re.compile(
     r" ?_?30|wave|magnitude|highest|largest)\b|\bvs\b|\b(?:arias|ia|cav)\b\D*\d"
 )
 _KEYED = re.compile(r"\s*[^:=]{1,60}[:=]\s*\S|[^,;\t]{1,60}[,;\t]\s*[-+]?\.?\d")
+# the key of a line that says what the numbers are, as `Quantity: displacement`
+_OF_THE_NUMBERS = re.compile(
+    r"(?:physical )?quantity|(?:(?:data|record|file|channel) )?type(?: of data)?|data"
+    r"|kind|parameter|values?|contents?|grandezza|magnitud|messgroesse|groesse"
+)
 _AFTER = re.compile(
     r"(?:\bin\b|[,:=])\s*(?:units? of\s+)?([^,:=;]+?)\s*(?=[;,]|\. |$)", re.IGNORECASE
 )
@@ -274,6 +279,11 @@ class Claims:
         """Take a line such as `a: m/s2` or `velocity: cm/s`."""
         key, _, value = words.replace("=", ":", 1).partition(":")
         cell = cell_of(key)
+        said = without_aim(plain(value))
+        if _OF_THE_NUMBERS.fullmatch(plain(key).strip()) and (
+            others_in(said) or names_spectrum(said)
+        ):
+            raise self.fault(f"found {words!r}; expected an acceleration", at)
         number = re.match(r"\s*[-+]?\.?\d", value)
         unlike = cell.role in _UNLIKE and not _NOT_OF_THE_RECORD.search(plain(key))
         if not number and (unlike or (cell.is_other and dimension_of(value))):
