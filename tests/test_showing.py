@@ -202,3 +202,11 @@ def test_a_repeated_name_gets_a_number():
     (document,) = parse_documents("{name: a, kind: block, width: 1, height: 4}")
     both = spectrum([document, document], sine(), "A=2,Omega=5", workers=1)
     assert [s.name for s in both.scene.structures] == ["a", "a-2"]
+
+
+def test_a_response_is_drawn_up_to_the_loss_of_contact_by_each_equation(axes):
+    body = "block:2x2,restitution=0.5"
+    lost = time_history(body, "sine", "a_g=6g,f_g=5", ["linear", "nonlinear"])
+    draw(lost, axes)
+    ends = [max(x for x, y in line.get_xydata() if y == y) for line in axes.lines[:2]]
+    assert ends == pytest.approx([0.1043, 0.1081], abs=3e-4)

@@ -2,20 +2,16 @@
 takes, the name of a pulse, the path of a file, the text of a grid.
 """
 
-import os
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Protocol, Union
 
-from ..documents.files import is_document_text
-from ..errors import ArgumentError, DocumentError, MotionError, UsageError
+from ..errors import ArgumentError, UsageError
 from .grid import Grid, as_recorded, parse_grid
 from .motion import Motion
-from .pulses import PULSES, pulse
 
 if TYPE_CHECKING:
     from ..documents.document import Document
-    from .recording import Recording
 
 
 class HasMotion(Protocol):
@@ -55,7 +51,9 @@ def read_if_named(given: AnyMotion) -> Motion | HasMotion:
     Raises as `motion_from`.
     """
     if isinstance(given, str | Path):
-        return _named(given)
+        from .named import named_motion
+
+        return named_motion(given)
     if isinstance(given, Motion) or hasattr(given, "motion"):
         return given
     from .motion_document import build_motion
@@ -81,73 +79,6 @@ def _own_motion(given: HasMotion) -> Motion:
     raise ArgumentError(
         f"found a {type(given).__name__} for a motion; expected a Motion, a Record, a"
         " Recording, a Document, the name of a pulse or the path of a motion"
-    )
-
-
-def _named(given: str | Path) -> "Motion | Recording":
-    """Return the motion that a text or a path stands for. Raises as `motion_from`."""
-    text = str(given)
-    if isinstance(given, str) and is_document_text(given):
-        return _of_text(given)
-    if isinstance(given, str) and text in PULSES:
-        return pulse(text)
-    if isinstance(given, str) and _is_a_word(text) and not os.path.exists(text):
-        # a pulse of an installed package, or a word that is misspelt
-        try:
-            return pulse(text)
-        except MotionError as error:
-            raise MotionError(f"{error}; or the path of a motion") from None
-    from .reading import read_one
-
-    return read_one(given, {})
-
-
-def _is_a_word(text: str) -> bool:
-    """True for a text that has no part of a path."""
-    return text != "-" and not any(mark in text for mark in (".", "/", os.sep))
-
-
-def _of_text(text: str) -> Motion:
-    """Return the motion of the text of one motion document. Raises DocumentError."""
-    from ..documents.parsing import parse_documents
-    from .motion_document import build_motion
-
-    first, *others = parse_documents(text)
-    if others:
-        raise DocumentError(
-            f"{others[0].place}: a second document; a motion has one document"
-        )
-    return build_motion(first)
-
-
-def recordings_from(
-    given: str | Path | Sequence[HasMotion | str | Path],
-) -> "tuple[Recording, ...]":
-    """Return the records of what was given, those of a path as `load_records` reads
-    them, with distinct labels. Raises UsageError and DocumentError as it does.
-    """
-    from .reading import load_records
-    from .recording import Recording, with_distinct_labels
-
-    found: list[Recording] = []
-    for one in [given] if isinstance(given, str | Path) else given:
-        if isinstance(one, str | Path):
-            found += load_records(one)
-        else:
-            found.append(one if isinstance(one, Recording) else _recording_of(one))
-    return with_distinct_labels(found)
-
-
-def _recording_of(given: HasMotion) -> "Recording":
-    """Return a record as a recording. Raises ArgumentError for anything else."""
-    from .recording import Recording
-    from .records import Record
-
-    if isinstance(given, Record):
-        return Recording(given)
-    raise ArgumentError(
-        f"found a {type(given).__name__} for a record; expected a Record, a Recording"
-        " or a path"
     )
 
 

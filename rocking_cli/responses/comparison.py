@@ -97,7 +97,7 @@ def collapse(responses: Sequence[TimeHistory], model: str) -> float:
     structures by one equation [-].
     """
     curves = [r.histories[model] for r in responses]
-    tau = np.linspace(0.0, min(c.end for c in curves), _SAMPLES)
+    tau = np.linspace(0.0, min(r.end_of(model) for r in responses), _SAMPLES)
     first, *others = (c.at(tau)[0] for c in curves)
     return max((float(np.abs(other - first).max()) for other in others), default=0.0)
 

@@ -107,10 +107,22 @@ class TimeHistory(Shown):
         """The time [tau] at which the longest history ends, or its body loses contact;
         at most `shown`.
         """
-        return min(self.shown, max(map(self._end_of, self.histories)))
+        return min(self.shown, max(map(self.end_of, self.histories)))
 
-    def _end_of(self, model: str) -> float:
-        """The time [tau] up to which the motion by one equation is known."""
+    def end_of(self, model: str) -> float:
+        """Return the time up to which the motion by one equation is known: that of the
+        history, or of the first loss of contact.
+
+        Parameters
+        ----------
+        model
+            the equation, "linear" or "nonlinear"
+
+        Returns
+        -------
+        float
+            [tau]
+        """
         lost, end = self._lost(model), self.histories[model].end
         return end if lost is None else min(lost, end)
 
@@ -381,7 +393,7 @@ class TimeHistory(Shown):
         motion by one equation is not known.
         """
         ratio, rate = self.histories[model].at(tau)
-        unknown = tau > self._end_of(model)
+        unknown = tau > self.end_of(model)
         ratio[unknown] = rate[unknown] = np.nan
         return ratio, rate
 
@@ -423,7 +435,7 @@ class TimeHistory(Shown):
         s, found = self.structure, self.histories[model]
         more = self.forces[model].columns(tau) if forces else {}
         for column in more.values():
-            column[tau > self._end_of(model)] = np.nan
+            column[tau > self.end_of(model)] = np.nan
         ratio, rate = state
         if dimensionless:
             return {"theta_ratio": ratio, "theta_ratio_rate": rate, **more}
@@ -568,7 +580,7 @@ class TimeHistory(Shown):
                 text += f", top displaced by up to {1e3 * top:.4g} mm"
             if (
                 not any(m.event in ("rest", "overturning") for m in found.events)
-                and found.outcome == Outcome.ROCKED
+                and self.outcome(model) == Outcome.ROCKED
             ):
                 text += f"; still rocking at {found.end / s.p:.4g} s"
             if self.outcome(model).overturned:
@@ -582,7 +594,9 @@ class TimeHistory(Shown):
         """Return what to say of a loss of contact; empty without one."""
         found = self.histories[model]
         if not self.outcome(model).overturned:
-            instant = min(e.tau for e in self._events(model) if e.event == LOST)
+            # of a body with ties the march itself finds it
+            own = [e.tau for e in found.events if e.event == LOST]
+            instant = min(own) if found.devices else self.end_of(model)
             at = f" at {instant / self.structure.p:.4g} s"
             return f"{at}, and its later motion is not known"
         lost = found.lost

@@ -31,8 +31,9 @@ from ..envelopes.intervals import (
 )
 from ..errors import UsageError
 from ..motions import Motion
-from ..motions.given import AnyMotion, read_if_named, recordings_from
+from ..motions.given import AnyMotion, read_if_named
 from ..motions.grid import Axis
+from ..motions.named import recordings_from
 from ..processes import available_cpus
 from ..structures.given import Structure, structure_from
 from .record_scene import RecordScene, structures_scene

@@ -229,6 +229,8 @@ def test_rows_end_where_the_body_loses_contact():
     for line, model in zip(found.summary(), found.histories, strict=True):
         assert f"loses contact with the ground at {ends[model]['t']:.4g} s" in line
         assert "largest theta" not in line
+    brief = time_history(body, sine(), "a_g=6g,f_g=5", methods, duration=0.05)
+    assert list(brief.summary()) == list(found.summary())
 
 
 def test_a_loss_of_contact_during_a_fall_is_told():

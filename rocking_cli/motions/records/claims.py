@@ -8,6 +8,7 @@ import re
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
+from .aims import begins_with_spectrum, names_spectrum, without_aim
 from .directions import direction_behind, is_direction, is_up_alone, up_at_end
 from .factors import states_factor
 from .headings import (
@@ -104,31 +105,12 @@ _NOT_OF_THE_RECORD = re.compile(
     r"\b(?:peak|max\w*|pg[avd]|vs"
     r" ?_?30|wave|magnitude|highest|largest)\b|\bvs\b|\b(?:arias|ia|cav)\b\D*\d"
 )
-_SPECTRUM = re.compile(r"spe[ck]tr|spettr|\bresp\w*\W+spec\b|\bspec\W+acc")
-# a line that begins with the short name of a spectrum, as SA TIME SERIES
-_SHORT_SPECTRUM = re.compile(
-    r"\W*(?:[pr]?sa|s[vde]|rs)\W*(?:$|\b(?:time|history|series|in|values?|data|g)\b)"
-)
-# what a motion is made for, as in `spectrum-compatible` or `matched to the spectrum`
-_COMPATIBLE = re.compile(
-    r"(?:response |design |target |elastic |code )*\w*(?:spe[ck]tr|spettr)\w*[\s-]*"
-    r"(?:[ck]ompatib|match|fitted|consistent)\w*"
-)
-_AIM = re.compile(
-    r"\b(?:for|from|to|with|con|mit|zu|avec) (?:[^\s,;]+ ){0,5}?"
-    r"(?:\w*(?:spe[ck]tr|spettr)\w*|uhs|\w*intensity|rotd\d+)"
-)
-# what a spectrum may be the aim of
-_AIMED = re.compile(
-    r"accelerogram|\bmotion|\btime.?(?:history|series)|\brecord|\bsignal|[ck]ompatib"
-    r"|\bmatch|\bfitted|\bscaled|\badjusted|\bconsistent"
-)
-_IN_TIME = re.compile(
-    r"accelerogram|\bacceleration(?! (?:response|design|\w*spe[ck]tr))|\bmotion"
-    r"|\btime.?(?:history|series)"
-)
-_MADE = re.compile(r"artificial|synthetic|simulated|generated")
 _KEYED = re.compile(r"\s*[^:=]{1,60}[:=]\s*\S|[^,;\t]{1,60}[,;\t]\s*[-+]?\.?\d")
+# the key of a line that says what the numbers are, as `Quantity: displacement`
+_OF_THE_NUMBERS = re.compile(
+    r"(?:physical )?quantity|(?:(?:data|record|file|channel) )?type(?: of data)?|data"
+    r"|kind|parameter|values?|contents?|grandezza|magnitud|messgroesse|groesse"
+)
 _AFTER = re.compile(
     r"(?:\bin\b|[,:=])\s*(?:units? of\s+)?([^,:=;]+?)\s*(?=[;,]|\. |$)", re.IGNORECASE
 )
@@ -199,7 +181,7 @@ class Claims:
         self._quantity(text, words, at)
         if strict and self.acceleration:
             self._no_other(words, at)
-        elif strict and _SHORT_SPECTRUM.match(text):
+        elif strict and begins_with_spectrum(text):
             raise self.fault(f"found {words!r}; expected an acceleration", at)
         self._units(text, words, at)
         for unit in () if _NOT_OF_THE_RECORD.search(text) else units_in(words):
@@ -245,7 +227,7 @@ class Claims:
         """Refuse a line that names another quantity; take the unit
         of an acceleration.
         """
-        said = _without_aim(text)
+        said = without_aim(text)
         others = others_in(said)
         kind = dimension_of(words)
         if kind not in (None, "acceleration", "time", "frequency", "unknown"):
@@ -253,7 +235,7 @@ class Claims:
         if kind == "acceleration":
             self.state("unit", unit_of(words), words, at)
             return
-        spectral = _spectral(others) or _SPECTRUM.search(said) is not None
+        spectral = names_spectrum(said)
         if names_acceleration(words) and not spectral:
             if _NOT_OF_THE_RECORD.search(text):
                 return
@@ -297,6 +279,11 @@ class Claims:
         """Take a line such as `a: m/s2` or `velocity: cm/s`."""
         key, _, value = words.replace("=", ":", 1).partition(":")
         cell = cell_of(key)
+        said = without_aim(plain(value))
+        if _OF_THE_NUMBERS.fullmatch(plain(key).strip()) and (
+            others_in(said) or names_spectrum(said)
+        ):
+            raise self.fault(f"found {words!r}; expected an acceleration", at)
         number = re.match(r"\s*[-+]?\.?\d", value)
         unlike = cell.role in _UNLIKE and not _NOT_OF_THE_RECORD.search(plain(key))
         if not number and (unlike or (cell.is_other and dimension_of(value))):
@@ -478,24 +465,6 @@ def _unknown(word: str) -> bool:
     return (" " not in word or bool(re.search(r"\d", word))) and cell_of(
         word
     ).role == UNKNOWN
-
-
-def _spectral(others: list[str]) -> bool:
-    return any("spectrum" in x or "intensity" in x or x == "rotation" for x in others)
-
-
-def _without_aim(text: str) -> str:
-    """Return a line without the spectrum or intensity that its motion was made for,
-    and without the word of a response in time.
-    """
-    said = re.sub(r"\bresponse (?=time.?(?:history|series))", "", text)
-    said = _COMPATIBLE.sub(" compatible ", said)
-    aim = _AIM.search(said)
-    if aim is not None and _AIMED.search(said[: aim.start()]):
-        said = said[: aim.start()] + said[aim.end() :]
-    clauses = re.split(r"[,;()]", said)
-    made = [x for x in clauses if _MADE.search(x) and _IN_TIME.search(x)]
-    return next((x for x in made if not _SPECTRUM.search(x)), said)
 
 
 def _same(one: object, other: object) -> bool:

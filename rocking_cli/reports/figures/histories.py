@@ -191,8 +191,8 @@ def _alphas(rows: Rows, name: str, units: Units) -> tuple[float, float] | None:
     theta, ratio = column_in(rows, name, units), column(rows, _ratio_of(name))
     found = {}
     for side in (1.0, -1.0):
-        i = int(np.nanargmax(np.append(side * ratio, 0.0)))
-        if i < ratio.size:
+        i = int(np.argmax(np.nan_to_num(side * ratio)))
+        if side * ratio[i] > 0.0:
             found[side] = float(theta[i] / ratio[i])
     if not found:
         return None
@@ -280,7 +280,7 @@ def with_jumps(t: np.ndarray, a: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     jumps = (
         np.flatnonzero(
             (step[1:-1] > 8.0 * neighbour)
-            & (step[1:-1] > 0.05 * np.max(np.abs(a), initial=0.0))
+            & (step[1:-1] > 0.05 * np.nanmax(np.abs(a), initial=0.0))
         )
         + 1
     )

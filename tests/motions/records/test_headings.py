@@ -133,6 +133,8 @@ REFUSED = {
     "Time,Acc\n(s),(cm/s)": "'cm/s' in the heading",
     "Velocity of Nowhere\nt,a": "'Velocity of Nowhere'; expected an acceleration",
     "Response spectrum\nt,a": "'Response spectrum'; expected an acceleration",
+    "Quantity: Displacement\nt,a": "'Quantity: Displacement'; expected an acc",
+    "Data type: Response spectrum\nt,a": "'Data type: Response spectrum'; expected",
     "Values in counts\nt,a": "'Values in counts'; expected an acceleration",
     "units: furlongs\nt,a": "the unit 'furlongs'; expected m/s2",
     "units: m, s, kN\nt,a": "the unit 'm, s, kn'",
