@@ -18,7 +18,7 @@ from .canvas import MOST_ACROSS, Axes, Look, canvas, literal, panels, require_ax
 from .labels import Ink, spaced
 
 _WIDTH = 4.2  # inches, of a panel
-_LETTER = 0.02  # width of a small letter over the size of the drawing
+_LETTER = 0.028  # width of a small letter over the size of the drawing
 # distance of a label from its point: over the size of the drawing, and in points
 _BESIDE, _OFFSET = 0.04, 10.0
 _ALIKE = 2.5  # ratio of the sizes of bodies that are drawn at one scale
@@ -267,7 +267,7 @@ def _plot_dimensions(
         _plot_dimension(axes, *ends, f"{max(feet) - min(feet):.3g} {unit}")
     ends = ((edge - away, foot), (edge - away, top))
     _plot_dimension(axes, *ends, f"{top - foot:.3g} {unit}", rotation=90.0)
-    axes.update_datalim([(edge - 1.5 * away, base - 2.0 * away)])
+    axes.update_datalim([(edge - 2.5 * away, base - 2.0 * away)])
 
 
 def _plot_dimension(
