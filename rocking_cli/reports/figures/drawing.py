@@ -19,8 +19,7 @@ from .labels import Ink, spaced
 
 _WIDTH = 4.2  # inches, of a panel
 _LETTER = 0.028  # width of a small letter over the size of the drawing
-# distance of a label from its point: over the size of the drawing, and in points
-_BESIDE, _OFFSET = 0.04, 10.0
+_BESIDE = 0.05  # distance of a label from its point over the size of the drawing
 _ALIKE = 2.5  # ratio of the sizes of bodies that are drawn at one scale
 STONE, GROUND, INK, ACCENT = "#D9CBB8", "#EFEFEF", "#333333", "#D55E00"
 
@@ -432,13 +431,11 @@ def _mark_pivots(axes: Axes, sketch: Sketch, ink: Ink, metre: float) -> None:
         ((x, z),) = _in_unit((point,), metre)
         axes.plot(x, z, "o", color=ACCENT, ms=4.5, label=f"_pivot {name}")
         if name.isdigit():
-            dx, dz = ink.clearest((x, z), away, math.pi / 4)
-            axes.update_datalim([(x + away * dx, z + away * dz)])
+            place = ink.clearest((x, z), away, math.pi / 4)
+            axes.update_datalim([place])
             axes.annotate(
                 name,
-                (x, z),
-                xytext=(_OFFSET * dx, _OFFSET * dz),
-                textcoords="offset points",
+                place,
                 ha="center",
                 va="center",
                 color=ACCENT,
@@ -496,15 +493,9 @@ def _mass_centre(
     size = _size(sketch) / metre
     outwards = 0.0 if alpha < 0.0 else math.pi
     ink = ink.with_lines([(cx, cz), (px, pz), (px, cz)], arc)
-    dx, dz = ink.clearest((px, pz + reach), _BESIDE * size, outwards)
-    axes.annotate(
-        r"$\alpha$",
-        (px, pz + reach),
-        xytext=(_OFFSET * dx, _OFFSET * dz),
-        textcoords="offset points",
-        ha="center",
-        va="center",
-    )
+    place = ink.clearest((px, pz + reach), _BESIDE * size, outwards)
+    axes.update_datalim([place])
+    axes.annotate(r"$\alpha$", place, ha="center", va="center")
     return radius
 
 
