@@ -74,7 +74,9 @@ def draw_structures(
             )
         structure_axes(require_axes(target), *found[0], units or Units())
         return
-    with canvas(target, overwrite, look=look, tell=tell) as figure:
+    across = min(len(found), MOST_ACROSS)
+    natural = _WIDTH * across
+    with canvas(target, overwrite, look=look, tell=tell, natural=natural) as figure:
         drawn = panels(figure, len(found))
         units = units or Units()
         sizes = [_size(sketch) for _, sketch in found]
@@ -86,11 +88,9 @@ def draw_structures(
             structure_axes(axes, one, sketch, units)
             if not one_scale:
                 _plot_scale_bar(axes, 0.4 * min(sizes), units)
-        across = min(len(found), MOST_ACROSS)
         shape = min(1.4, max(0.4, *map(_shape, drawn)))
-        figure.set_size_inches(
-            _WIDTH * across, -(-len(found) // across) * (1.0 + (_WIDTH - 0.6) * shape)
-        )
+        rows = -(-len(found) // across)
+        figure.set_size_inches(natural, rows * (1.0 + (_WIDTH - 0.6) * shape))
 
 
 def _shape(axes: Axes) -> float:
