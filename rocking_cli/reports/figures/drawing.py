@@ -89,14 +89,9 @@ def draw_structures(
             if not one_scale:
                 _plot_scale_bar(axes, 0.4 * min(sizes), units)
         shape = min(1.4, max(0.4, *map(_shape, drawn)))
-        rows = -(-len(found) // across)
-        figure.set_size_inches(natural, rows * (1.0 + (_WIDTH - 0.6) * shape))
-
-
-def _shape(axes: Axes) -> float:
-    """Return the height of the axes over their width, in their units."""
-    (left, right), (low, high) = axes.get_xlim(), axes.get_ylim()
-    return (high - low) / (right - left)
+        figure.set_size_inches(
+            _WIDTH * across, -(-len(found) // across) * (1.0 + (_WIDTH - 0.6) * shape)
+        )
 
 
 def _sketched(
@@ -225,6 +220,12 @@ def _size(sketch: Sketch) -> float:
     outlines = (*sketch.bodies, *sketch.still, *sketch.moved)
     xs, zs = zip(*(point for outline in outlines for point in outline), strict=True)
     return max(max(xs) - min(xs), max(zs) - min(zs))
+
+
+def _shape(axes: Axes) -> float:
+    """Return the height of the axes over their width, in their units."""
+    (left, right), (low, high) = axes.get_xlim(), axes.get_ylim()
+    return (high - low) / (right - left)
 
 
 def _plot_scale_bar(axes: Axes, most: float, units: Units) -> None:
