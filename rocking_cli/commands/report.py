@@ -34,7 +34,8 @@ class ReportOptions:
     output: Path = options.output("The page: .html.", required=True)
     title: str | None = option(
         "--title",
-        "Title of the page (default: the names of the structures).",
+        "Title of the page (default: the names of the structures, of many the first"
+        " four).",
         metavar="TEXT",
     )
     summary: bool = flag(

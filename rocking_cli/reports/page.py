@@ -69,6 +69,7 @@ HEADS = {
 }
 """The columns of the table of verdicts, and the attribute of a verdict in each."""
 
+_NAMED = 5  # structures in the title, at most
 _DIGITS = 3  # significant ones of a number in the tables of verdicts
 
 
@@ -124,7 +125,7 @@ def page(
     summary = asked.summary
     shaking = f"under {demand}" if summary else f"under {motions}: {demand}"
     return _template().render(
-        title=asked.title or f"Rocking of {', '.join(cases)}",
+        title=asked.title or f"Rocking of {_some(list(cases))}",
         place=", ".join(filter(None, (asked.place, asked.author))),
         opposite=opposite,
         remarks=remarks,
@@ -143,6 +144,15 @@ def page(
         versions=_versions(),
         hashes=_hashes(subjects, recordings, vertical),
     )
+
+
+def _some(names: Sequence[str]) -> str:
+    """Return names in words: all of a few, of many the first ones and the number of the
+    others.
+    """
+    if len(names) <= _NAMED:
+        return ", ".join(names)
+    return f"{', '.join(names[: _NAMED - 1])} and {len(names) - _NAMED + 1} others"
 
 
 def _sections(

@@ -194,7 +194,9 @@ def _drawing(subject: Subject) -> str | None:
         figure.set_size_inches(*_SIZE)
         axes = figure.add_subplot()
         structure_axes(axes, subject.structure, sketch, FIGURE_UNITS, described=False)
-        place(figure, axes, left=0.7, bottom=0.5, top=0.3)
+        axes.set_axis_off()  # its lines of dimension state the size
+        axes.margins(0.05)
+        place(figure, axes, left=0.1, bottom=0.1, top=0.3)
 
     return image(plan)
 
@@ -258,7 +260,7 @@ def _draw_map(figure: Figure, found: Spectrum, omega: float, amplitude: float) -
     axes.set_title("")
     figure.legend(handles=entries, loc="lower center", ncols=2, fontsize="small")
     lines = -(-len(entries) // 2)
-    place(figure, axes, left=0.7, bottom=0.65 + 0.16 * lines)
+    place(figure, axes, left=0.7, bottom=0.6 + 0.16 * lines)
 
 
 def _agreement(codes: np.ndarray, cases: str) -> str:

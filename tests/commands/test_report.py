@@ -30,7 +30,7 @@ from rocking_cli.fragility.exposure import Exposure
 from rocking_cli.fragility.measures import members_of, shaken_upwards
 from rocking_cli.motions.biaxial import Upwards
 from rocking_cli.motions.reading import read_motions
-from rocking_cli.reports.page import Asked, page
+from rocking_cli.reports.page import Asked, _some, page
 from rocking_cli.reports.page_sections import Subject
 from rocking_cli.reports.wording import (
     OVERVIEW,
@@ -167,6 +167,26 @@ def recordings(folder: Path, count: int) -> tuple[Recording, ...]:
     return read_motions(
         [str(folder / f"{i}.txt") for i in range(count)], unit="g", dt=0.02
     )
+
+
+@pytest.mark.slow
+def test_processes_write_the_page_of_one():
+    subjects = [subject(DAMPED.format(i, a)) for i, a in enumerate((0.4, 0.2, 0.3))]
+    demands = [(one.structure, sine(), DEMAND) for one in subjects]
+    verdicts = [check(*demand) for demand in demands]
+    pages = [
+        page(subjects, verdicts, ASKED, demands=demands, demand="", workers=workers)
+        for workers in (1, 2)
+    ]
+    images = [re.findall(r'src="data:[^"]+"', text) for text in pages]
+    assert [len(found) for found in images] == [4, 4]
+    assert len({re.sub(r'src="data:[^"]+"', "", text) for text in pages}) == 1
+
+
+def test_the_title_names_a_few_structures():
+    assert _some(["A"]) == "A"
+    assert _some(list("ABCDE")) == "A, B, C, D, E"
+    assert _some(list("ABCDEF")) == "A, B, C, D and 2 others"
 
 
 STANDS = Verdict(

@@ -2,7 +2,6 @@
 
 import io
 from collections.abc import Callable, Sequence
-from functools import partial
 from pathlib import Path
 from textwrap import fill
 from typing import Any, NamedTuple
@@ -86,12 +85,9 @@ def _course(rows: Rows, theta: np.ndarray, ratio: np.ndarray) -> Track:
     """Return the response at the times of the frames; theta [rad], ratio: theta/alpha,
     of each row.
     """
-    from scipy.integrate import cumulative_trapezoid
-
     t = column(rows, "t")
-    integral = partial(cumulative_trapezoid, x=t, initial=0.0)
     acceleration = column(rows, "ground_acceleration")
-    displacement = integral(integral(acceleration))
+    displacement = _integral(_integral(acceleration, t), t)
     times = np.arange(0.0, min(float(t[-1]), _LONGEST), 1.0 / _FRAMES)
     theta, ratio, displacement, acceleration = (
         np.interp(times, t, x) for x in (theta, ratio, displacement, acceleration)
@@ -99,6 +95,14 @@ def _course(rows: Rows, theta: np.ndarray, ratio: np.ndarray) -> Track:
     outcomes = [rows[0].get(f"outcome{suffix}") for suffix in ("", "_nonlinear")]
     falls = any(one.overturned and one.flag in outcomes for one in Outcome)
     return Track(times, theta, ratio, displacement, acceleration, falls)
+
+
+def _integral(y: np.ndarray, t: np.ndarray) -> np.ndarray:
+    """Return the integral of y over t from the first time on, by the trapezoidal
+    rule.
+    """
+    areas = 0.5 * (y[1:] + y[:-1]) * np.diff(t)
+    return np.concatenate([[0.0], np.cumsum(areas)])
 
 
 def _frames(sketch: Sketch, course: Track, words: str, look: Look) -> list[Any]:
@@ -123,8 +127,8 @@ def _frames(sketch: Sketch, course: Track, words: str, look: Look) -> list[Any]:
             canvas.restore_region(still)
             for artist in stage.moving:
                 figure.draw_artist(artist)
-            drawn = np.asarray(canvas.buffer_rgba())[..., :3].copy()
-            frame = Image.fromarray(drawn)
+            size = canvas.get_width_height()
+            frame = Image.frombytes("RGBA", size, canvas.buffer_rgba()).convert("RGB")
             # one palette: the frames have the same colours
             colours = colours or frame.quantize(256)
             frames.append(frame.quantize(palette=colours, dither=Image.Dither.NONE))

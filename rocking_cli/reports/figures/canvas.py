@@ -123,13 +123,15 @@ class Look:
     title: str | None = None  # text above the figure
     style: str | Path | None = None  # a style file of matplotlib
 
-    def finish(self, figure: Figure) -> None:
+    def finish(self, figure: Figure, natural: float = WIDTH) -> None:
         """Give a figure its title, that of the only panel or above all, and its size.
 
         Parameters
         ----------
         figure
             a Figure of matplotlib
+        natural
+            the width [inches] for which its texts were made
         """
         if self.title is not None and len(figure.axes) == 1:
             figure.axes[0].title.set_text(literal(self.title))
@@ -137,18 +139,25 @@ class Look:
             figure.suptitle(literal(self.title))
         if self.width is not None:
             width, height = figure.get_size_inches()
-            figure.set_size_inches(
-                self.width / _INCH, height * max(self.text, self.width / _INCH / width)
-            )
+            share = max(self.text_share(natural), self.width / _INCH / width)
+            figure.set_size_inches(self.width / _INCH, height * share)
 
-    @property
-    def text(self) -> float:
-        """The factor of the text size in a figure of this width."""
-        return (
-            1.0
-            if self.width is None
-            else min(1.0, max(0.6, self.width / _INCH / WIDTH))
-        )
+    def text_share(self, natural: float = WIDTH) -> float:
+        """Return the factor of the text size in a figure that is wide by itself.
+
+        Parameters
+        ----------
+        natural
+            the width [inches] of the figure without a choice
+
+        Returns
+        -------
+        float
+            0.6 to 1
+        """
+        if self.width is None:
+            return 1.0
+        return min(1.0, max(0.6, self.width / _INCH / natural))
 
 
 def require_axes(target: Any) -> Axes:
@@ -162,10 +171,10 @@ def require_axes(target: Any) -> Axes:
 
 
 @contextmanager
-def styled(look: Look, instead: str = "") -> Iterator[Figure]:
+def styled(look: Look, instead: str = "", natural: float = WIDTH) -> Iterator[Figure]:
     """Context of an empty figure in the common style; instead: an alternative without
-    matplotlib. Raises OutputError without matplotlib, and UsageError if the style file
-    cannot be read.
+    matplotlib; natural: as in `canvas`. Raises OutputError without matplotlib, and
+    UsageError if the style file cannot be read.
     """
     require(*DRAWN_WITH, instead=instead)
     import matplotlib as mpl
@@ -179,7 +188,7 @@ def styled(look: Look, instead: str = "") -> Iterator[Figure]:
                 raise UsageError(
                     f"{look.style}: cannot be read as a style of matplotlib: {error}"
                 ) from None
-        mpl.rcParams["font.size"] *= look.text
+        mpl.rcParams["font.size"] *= look.text_share(natural)
         yield Figure(figsize=(WIDTH, 4.0))
 
 
@@ -191,17 +200,19 @@ def canvas(
     look: Look | None = None,
     tell: Callable[[str], None] | None = None,
     instead: str = "",
+    natural: float = WIDTH,
 ) -> Iterator[Figure]:
     """Context of a `styled` figure, written to `target` at its end; tell: called with
-    the characters that the font lacks. Raises UsageError for a target that cannot or
+    the characters that the font lacks; natural: the width [inches] of the figure if the
+    look chooses none. Raises UsageError for a target that cannot or
     must not be written, before anything is drawn, and OutputError.
     """
     target, look = Path(target), look or Look()
     check_target(target, overwrite)
-    with styled(look, instead) as figure:
+    with styled(look, instead, natural) as figure:
         _require_format(figure, target)
         yield figure
-        drawn, missing = drawn_as(figure, target, look)
+        drawn, missing = drawn_as(figure, target, look, natural)
     if missing and tell is not None:
         tell(f"{target}: the font of the figure has no {missing}; boxes stand there")
     with published(target, overwrite) as file:
@@ -218,11 +229,13 @@ def _require_format(figure: Figure, target: Path) -> None:
         )
 
 
-def drawn_as(figure: Figure, target: Path, look: Look) -> tuple[bytes, str]:
+def drawn_as(
+    figure: Figure, target: Path, look: Look, natural: float = WIDTH
+) -> tuple[bytes, str]:
     """Return (the figure in the format of `target`, the characters that its font
-    lacks). Raises OutputError.
+    lacks); natural: as in `canvas`. Raises OutputError.
     """
-    look.finish(figure)
+    look.finish(figure, natural)
     form, drawn = target.suffix[1:].lower(), io.BytesIO()
     # that of a map inside an SVG or PDF
     dpi = look.dpi or (600 if form in _UNDATED else figure.dpi)

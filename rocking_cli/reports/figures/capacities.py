@@ -7,6 +7,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from pathlib import Path
+from textwrap import fill
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -24,6 +25,7 @@ if TYPE_CHECKING:
     from ..units import Units
 
 _MM = 1000.0
+_TITLE = 60  # characters of a line of a title, beside long names
 
 
 def draw_capacities(
@@ -183,9 +185,8 @@ def capacities(figure: Figure, verdicts: Sequence[Verdict], in_g: bool) -> Axes:
     )
     under += _at_frequencies(verdicts)
     of = f"{names[0]}, " if len(names) == 1 else ""
-    axes.set_title(
-        literal(f"capacity over demand: {of}{under}, {' or '.join(models)} equation")
-    )
+    title = f"capacity over demand: {of}{under}, {' or '.join(models)} equation"
+    axes.set_title(fill(literal(title), _TITLE))
     axes.grid(axis="y", visible=False)
     return axes
 

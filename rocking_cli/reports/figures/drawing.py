@@ -18,9 +18,8 @@ from .canvas import MOST_ACROSS, Axes, Look, canvas, literal, panels, require_ax
 from .labels import Ink, spaced
 
 _WIDTH = 4.2  # inches, of a panel
-_LETTER = 0.02  # width of a small letter over the size of the drawing
-# distance of a label from its point: over the size of the drawing, and in points
-_BESIDE, _OFFSET = 0.04, 10.0
+_LETTER = 0.028  # width of a small letter over the size of the drawing
+_BESIDE = 0.05  # distance of a label from its point over the size of the drawing
 _ALIKE = 2.5  # ratio of the sizes of bodies that are drawn at one scale
 STONE, GROUND, INK, ACCENT = "#D9CBB8", "#EFEFEF", "#333333", "#D55E00"
 
@@ -80,7 +79,9 @@ def draw_structures(
             )
         structure_axes(require_axes(target), *found[0], units or Units())
         return target
-    with canvas(target, overwrite, look=look, tell=tell) as figure:
+    across = min(len(found), MOST_ACROSS)
+    natural = _WIDTH * across
+    with canvas(target, overwrite, look=look, tell=tell, natural=natural) as figure:
         drawn = panels(figure, len(found))
         units = units or Units()
         sizes = [_size(sketch) for _, sketch in found]
@@ -92,18 +93,11 @@ def draw_structures(
             structure_axes(axes, one, sketch, units)
             if not one_scale:
                 _plot_scale_bar(axes, 0.4 * min(sizes), units)
-        across = min(len(found), MOST_ACROSS)
         shape = min(1.4, max(0.4, *map(_shape, drawn)))
         figure.set_size_inches(
             _WIDTH * across, -(-len(found) // across) * (1.0 + (_WIDTH - 0.6) * shape)
         )
     return None
-
-
-def _shape(axes: Axes) -> float:
-    """Return the height of the axes over their width, in their units."""
-    (left, right), (low, high) = axes.get_xlim(), axes.get_ylim()
-    return (high - low) / (right - left)
 
 
 def _sketched(
@@ -234,6 +228,12 @@ def _size(sketch: Sketch) -> float:
     return max(max(xs) - min(xs), max(zs) - min(zs))
 
 
+def _shape(axes: Axes) -> float:
+    """Return the height of the axes over their width, in their units."""
+    (left, right), (low, high) = axes.get_xlim(), axes.get_ylim()
+    return (high - low) / (right - left)
+
+
 def _plot_scale_bar(axes: Axes, most: float, units: Units) -> None:
     """Draw a bar whose length is a round number below `most` [m] on the right below
     the ground.
@@ -273,7 +273,7 @@ def _plot_dimensions(
         _plot_dimension(axes, *ends, f"{max(feet) - min(feet):.3g} {unit}")
     ends = ((edge - away, foot), (edge - away, top))
     _plot_dimension(axes, *ends, f"{top - foot:.3g} {unit}", rotation=90.0)
-    axes.update_datalim([(edge - 1.5 * away, base - 2.0 * away)])
+    axes.update_datalim([(edge - 2.5 * away, base - 2.0 * away)])
 
 
 def _plot_dimension(
@@ -438,13 +438,11 @@ def _mark_pivots(axes: Axes, sketch: Sketch, ink: Ink, metre: float) -> None:
         ((x, z),) = _in_unit((point,), metre)
         axes.plot(x, z, "o", color=ACCENT, ms=4.5, label=f"_pivot {name}")
         if name.isdigit():
-            dx, dz = ink.clearest((x, z), away, math.pi / 4)
-            axes.update_datalim([(x + away * dx, z + away * dz)])
+            place = ink.clearest((x, z), away, math.pi / 4)
+            axes.update_datalim([place])
             axes.annotate(
                 name,
-                (x, z),
-                xytext=(_OFFSET * dx, _OFFSET * dz),
-                textcoords="offset points",
+                place,
                 ha="center",
                 va="center",
                 color=ACCENT,
@@ -502,15 +500,9 @@ def _mass_centre(
     size = _size(sketch) / metre
     outwards = 0.0 if alpha < 0.0 else math.pi
     ink = ink.with_lines([(cx, cz), (px, pz), (px, cz)], arc)
-    dx, dz = ink.clearest((px, pz + reach), _BESIDE * size, outwards)
-    axes.annotate(
-        r"$\alpha$",
-        (px, pz + reach),
-        xytext=(_OFFSET * dx, _OFFSET * dz),
-        textcoords="offset points",
-        ha="center",
-        va="center",
-    )
+    place = ink.clearest((px, pz + reach), _BESIDE * size, outwards)
+    axes.update_datalim([place])
+    axes.annotate(r"$\alpha$", place, ha="center", va="center")
     return radius
 
 

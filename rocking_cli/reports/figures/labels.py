@@ -46,25 +46,23 @@ class Ink:
         return any(bool(Path(one).contains_point(point)) for one in self.outlines)
 
     def clearest(self, at: Point, away: float, first: float) -> Point:
-        """Return the place of a label beside a point that is clear of all lines, as its
-        offset over `away`: the nearest to the direction `first` [rad] of those that are
-        at the distance `away`, or at twice this distance where these are not clear.
+        """Return the place of a label beside a point that is clear of all lines: the
+        nearest to the direction `first` [rad] of those that are at the distance `away`,
+        or at twice this distance where these are not clear.
         """
         turns = sorted(
             (2.0 * math.pi * i / _DIRECTIONS for i in range(_DIRECTIONS)),
             key=lambda turn: min(turn, 2.0 * math.pi - turn),
         )
-        offsets = [
-            (reach * math.cos(first + turn), reach * math.sin(first + turn))
-            for reach in (1.0, 2.0)
+        places = [
+            (
+                at[0] + reach * math.cos(first + turn),
+                at[1] + reach * math.sin(first + turn),
+            )
+            for reach in (away, 2.0 * away)
             for turn in turns
         ]
-
-        def room(offset: Point) -> float:
-            place = (at[0] + away * offset[0], at[1] + away * offset[1])
-            return min(self.clearance(place), 0.7 * away)
-
-        return max(offsets, key=room)
+        return max(places, key=lambda place: min(self.clearance(place), 0.7 * away))
 
     def free_on_left(self, at: Point, length: float) -> bool:
         """True if a text of this length fits on the left of a point, above it."""

@@ -38,7 +38,7 @@ def test_bars_end_at_the_first_overturning_and_lines_stand_at_the_demand():
     assert [line.get_xdata()[0] for line in axes.lines] == pytest.approx(
         [0.2, 0.5, 0.35]
     )
-    title = axes.get_title()
+    title = axes.get_title().replace("\n", " ")
     assert title.endswith(", one cycle of a sine at 1.2 Hz, nonlinear equation")
     assert [t.get_text() for t in axes.get_yticklabels()] == [
         v.structure for v in verdicts

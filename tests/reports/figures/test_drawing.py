@@ -5,7 +5,13 @@ import math
 import numpy as np
 import pytest
 
-from rocking_cli import DocumentError, draw_structures, parse_documents, read_documents
+from rocking_cli import (
+    DocumentError,
+    Look,
+    draw_structures,
+    parse_documents,
+    read_documents,
+)
 from rocking_cli.reports.figures.labels import Ink, spaced
 from rocking_cli.reports.units import parse_units
 
@@ -198,3 +204,11 @@ def test_a_flat_body_in_front_does_not_flatten_the_others(structures_drawn):
     axes = structures_drawn("arch", "wall")
     width, height = axes[0].figure.get_size_inches()
     assert height > 0.7 * width  # two panels across
+
+
+def test_a_narrow_figure_of_several_panels_has_small_texts(structures_drawn):
+    figure = structures_drawn("block", "wall", "arch", look=Look(width=0.16))[0].figure
+    assert figure.get_size_inches()[0] == pytest.approx(0.16 / 0.0254)
+    (one,) = structures_drawn("block", look=Look(width=0.16))
+    sizes = [axes.title.get_size() for axes in (figure.axes[0], one)]
+    assert sizes[0] == pytest.approx(0.6 * sizes[1])
