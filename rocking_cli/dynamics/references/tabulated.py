@@ -23,7 +23,8 @@ _CLOSE = 1e-13
 _NODES = -np.cos(np.pi * (np.arange(_DEGREE + 1) + 0.5) / (_DEGREE + 1))  # of [-1, 1]
 _BETWEEN = np.array([-1.0, -0.55, 0.1, 0.71, 1.0])  # where a polynomial is compared
 
-# 1/sqrt(M), V'/(g sqrt(M)) and B/sqrt(M) of Eq. 3.4 at a rotation [rad]
+# 1/sqrt(m), V'/(g M0 sqrt(m)) and B/(M0 sqrt(m)) of Eq. 3.4 at a rotation [rad], with
+# m = M/M0 and M0 = M at rest
 Functions = Callable[[float], tuple[float, float, float]]
 
 
@@ -51,6 +52,7 @@ class _Tables:
 
     def __init__(self, mechanism: Mechanism, width: float, halvings: int) -> None:
         self.mechanism = mechanism
+        self.at_rest = float(mechanism.coefficients(0.0).inertia)  # M0 [kg m2]
         self.width = width  # of a panel [rad]
         self.halvings = halvings  # how often a panel may be halved
         self.panels: dict[int, Functions] = {}  # by the number of the panel
@@ -65,8 +67,9 @@ class _Tables:
     def exactly(self, theta: np.ndarray) -> np.ndarray:
         """Return the three functions by the linkage, (rotations, 3)."""
         c = self.mechanism.coefficients(theta)
-        root = np.sqrt(c.inertia)
-        return np.stack([1.0 / root, c.lift / root, c.push / root], axis=-1)
+        root = np.sqrt(c.inertia / self.at_rest)
+        moment = self.at_rest * root
+        return np.stack([1.0 / root, c.lift / moment, c.push / moment], axis=-1)
 
     def _fitted(self, place: int) -> Functions:
         """Return the functions of a panel: polynomials, or panels of half the width
