@@ -65,7 +65,10 @@ def _error_lines(s: Summary) -> Iterator[str]:
         f"{counted(s.checked_cells, 'cell')}{sensitive} computed again by"
         f" {s.checked_by}"
     )
-    yield f"estimated error: {s.estimated_error:.1e} in theta/alpha at {many}, {agree}"
+    yield (
+        f"estimated error: {s.estimated_error:.1e} in theta/alpha at {many} in"
+        f" {s.check_time:.2g} s, {agree}"
+    )
     if s.misjudged or s.beyond_tolerance:
         cells = f"{s.misjudged + s.beyond_tolerance} of these cells"
         yield (

@@ -31,6 +31,7 @@ _RECORDED = (
     "checked_by",
     "checked_cells",
     "sensitive_cells",
+    "check_time",
 )
 
 
@@ -52,6 +53,7 @@ class Summary:
     sensitive_cells: checked cells that were chosen for their sensitivity
     estimated_error: largest difference of theta/alpha from the reference on the checked
         cells [-]
+    check_time: part of the run time that the checks took [s]
     misjudged: checked cells whose outcome differs
     resumed_cells: cells from an earlier run
     machine_differences: what its machine does differently
@@ -86,6 +88,7 @@ class Summary:
     sensitive_cells: int  # checked cells that were chosen for their sensitivity
     # largest difference of theta/alpha from the reference on the checked cells [-]
     estimated_error: float
+    check_time: float  # part of the run time that the checks took [s]
     misjudged: int  # checked cells whose outcome differs
     resumed_cells: int = 0  # cells from an earlier run
     machine_differences: str = ""  # what its machine does differently

@@ -455,7 +455,7 @@ def _run(
     chunk, quantities = options.chunk(scene), options.quantities_of(scene)
     check = default_check(scene) if options.check is None else options.check
     verification = Verification(scene, check, chunk, todo)
-    job = Job(scene, chunk, tuple(verification.sensitive), convert, quantities)
+    job = Job(scene, chunk, verification.wanted, convert, quantities)
 
     counts = _Counts(resumed.copy(), np.zeros(len(Difference), dtype=np.int64), Work())
     reports = unit_reports(job, todo, _crew(job, options, workers), verification)
@@ -469,6 +469,7 @@ def _run(
     # cells of other shards
     counts.outcomes[Outcome.NOT_COMPUTED] = scene.cells - counts.outcomes.sum()
 
+    checked = verification.compared()
     return Summary(
         structures=len(scene.structures),
         cells=scene.cells,
@@ -485,7 +486,7 @@ def _run(
             _by_flag(counts.differences, Difference) if "linear" in quantities else {}
         ),
         resumed_cells=int(resumed.sum()),
-        **verification.compared(),
+        **checked,
     )
 
 

@@ -1,11 +1,17 @@
 """Checks of a sweep: some cells computed again by the reference, the condition of
 cells, and a comparison of the two equations.
 
-Half of the cells are drawn at random, half are those of high sensitivity. They depend
-on the scene alone, not on workers or units.
+Half of the cells are drawn at random, half are those of high sensitivity: of 128 drawn
+cells the ones whose rotation differs most from that of the next cell of the grid. A
+single cell is of the latter, since it tells a rotation too. They depend on the scene
+and its shard alone, not on workers or units.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+import math
+import random
+import time
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import islice
@@ -25,8 +31,10 @@ Place = tuple[int, int, int]  # (structure, row, column) of a cell
 
 _SEED = 20120924
 _CANDIDATES = 128  # candidates for the most sensitive cells
-# segments beyond which the search takes as long as a sweep, so that all cells are drawn
-_LONGEST, _LONGEST_RECORD = (1000, 10_000)
+_DRAWS = 20  # draws for each cell that is wanted: of many scenes half the cells lift
+# numbers of cells of a sweep below which one or two are checked, for the time that they
+# take
+_SMALL, _MIDDLE = (1_000, 5_000)
 _EXACT = 1e-10  # tolerance for an exact method, for the rounding of two solvers
 # relative change of each input; the linear equation leaves the differences 8 digits
 STEP = 1e-7
@@ -82,31 +90,24 @@ def condition_of(
 
 
 def default_check(scene: Scene) -> int:
-    """Return the default number of cells to compute again: large sweeps spend under 3 %
-    of their time on them.
+    """Return the default number of cells to compute again: 1 of a small sweep, so that
+    it takes a fifth of its time at most, and up to 64 of a large one.
     """
+    if scene.cells < _MIDDLE:
+        return 1 if scene.cells < _SMALL else 2
     return 4 if not scene.method.exact else max(4, min(64, scene.cells // 250_000))
 
 
-def checked_cells(scene: Scene, check: int) -> Array:
-    """Return (structure, row, column, True if chosen as sensitive) of the cells to
-    check: half drawn, half the most sensitive of 128.
-    """
-    too_long = scene.segments > (_LONGEST_RECORD if scene.of_records else _LONGEST)
-    chosen = sensitive_cells(scene, 0 if too_long else check // 2)
-    drawn = sampled_cells(scene, check)
-    twice = (drawn[:, None] == chosen[None]).all(axis=2).any(axis=1)
-    drawn = drawn[~twice][: check - len(chosen)]
-    flag = np.repeat([0, 1], [len(drawn), len(chosen)])
-    return np.column_stack([np.concatenate([drawn, chosen]), flag])
-
-
-def sampled_cells(scene: Scene, check: int, seed: int = _SEED) -> Array:
+def sampled_cells(
+    scene: Scene,
+    check: int,
+    seed: int = _SEED,
+    share: float = 1.0,
+    there: Callable[[Place], bool] = lambda place: True,
+) -> Array:
     """Return (structure, row, column) of `check` cells, drawn by chance from all cells
-    that uplift.
+    that uplift. there: True for the cells to draw from, which are this share of all.
     """
-    _, rows, columns = scene.shape
-    owners = [group[0] for group in scene.sharing()]
     uplift: dict[int, float] = {}  # amplitude of uplift of each structure
 
     def uplifts(at: Place) -> bool:
@@ -118,11 +119,45 @@ def sampled_cells(scene: Scene, check: int, seed: int = _SEED) -> Array:
             uplift[key] = _uplift_amplitude(scene, cell.structure)
         return cell.amplitude * cell.motion.largest > uplift[key]
 
-    drawn = _drawn(seed, 20 * check, (len(owners), rows, columns)).tolist()
-    # a small grid is drawn several times
-    once = dict.fromkeys((owners[i], row, column) for i, row, column in drawn)
-    found = list(islice(filter(uplifts, once), check))
+    count = math.ceil(_DRAWS * check / share)
+    drawn = filter(there, _drawn(scene, count, seed))
+    found = list(islice(filter(uplifts, drawn), check))
     return np.array(found, dtype=np.int64).reshape(-1, 3)
+
+
+def _drawn(scene: Scene, count: int, seed: int) -> Iterator[Place]:
+    """Yield the places of so many draws from all cells that are computed, each place
+    once; a small grid is drawn several times.
+    """
+    _, rows, columns = scene.shape
+    owners = [group[0] for group in scene.sharing()]
+    draw = _stream(seed)
+    places = (
+        (
+            owners[int(draw() * len(owners))],
+            int(draw() * rows),
+            int(draw() * columns),
+        )
+        for _ in range(count)
+    )
+    once: set[Place] = set()
+    for place in places:
+        if place not in once:
+            once.add(place)
+            yield place
+
+
+def _stream(seed: int) -> Callable[[], float]:
+    """Return a function that draws numbers from 0 to 1: those of NumPy's `RandomState`,
+    whose stream never changes, without the import of `numpy.random`, which takes as
+    long as a sweep of a thousand cells.
+    """
+    state = [seed]  # of the Mersenne twister, by its first seeding
+    for i in range(1, 624):
+        state.append((1812433253 * (state[-1] ^ (state[-1] >> 30)) + i) % 2**32)
+    generator = random.Random()
+    generator.setstate((3, (*state, 624), None))
+    return generator.random
 
 
 def _uplift_amplitude(scene: Scene, structure: RockingParameters) -> float:
@@ -132,75 +167,6 @@ def _uplift_amplitude(scene: Scene, structure: RockingParameters) -> float:
     if system.devices is not None:
         held = float(np.min(system.devices.held_at_first()))
     return held * float(np.min(system.equation.uplift_amplitude))
-
-
-def _drawn(seed: int, count: int, below: tuple[int, ...]) -> Array:
-    """`count` rows of random whole numbers from 0, each column below a limit, by
-    NumPy's generator whose stream never changes.
-    """
-    return (
-        np.random.RandomState(seed).random_sample((count, len(below))) * below
-    ).astype(np.int64)
-
-
-def sensitive_cells(scene: Scene, count: int) -> Array:
-    """Return (structure, row, column) of the `count` cells whose rotation changes most
-    with A, among the 128 of `_candidates`.
-    """
-    drawn = _candidates(scene) if count else np.zeros((0, 3), dtype=np.int64)
-    if not len(drawn):
-        return drawn
-    cells = [scene.cell(*at) for at in drawn.tolist()]
-    structure, motion = cells[0].structure, cells[0].motion
-    step = max(STEP, _TOLERANCES * (scene.method.stated_tolerance or 0.0))
-    ends = np.array([[1.0 - step], [1.0 + step]])
-    shifted = np.array([cell.amplitude for cell in cells]) * ends
-    found = response(
-        scene.method.system_of(structure),
-        motion,
-        shifted,
-        np.array([cell.omega for cell in cells]),
-        structure.eta,
-    )
-    change = np.abs(found.theta_ratio[1] - found.theta_ratio[0])
-    change[(found.outcome != Outcome.ROCKED).any(axis=0)] = -1.0
-    order = np.argsort(-change, kind="stable")[:count]
-    return drawn[order[change[order] >= 0.0]]
-
-
-def _candidates(scene: Scene) -> Array:
-    """Return at most 128 cells of the least damped structure under one motion: drawn by
-    chance, or one row of cells of one record.
-    """
-    if isinstance(scene, PulseScene):
-        least_damped = max(
-            (group[0] for group in scene.sharing()),
-            key=lambda i: abs(scene.structures[i].eta),
-        )
-        drawn = sampled_cells(
-            replace(scene, structures=(scene.structures[least_damped],)),
-            _CANDIDATES,
-            _SEED + 1,
-        )
-        drawn[:, 0] = least_damped
-        return drawn
-    one = sampled_cells(scene, 1, _SEED + 1)
-    if not len(one):
-        return one
-    rocks = [
-        i
-        for i in range(scene.shape[1])
-        if friction_that_slides(scene.structures[i]) is None
-    ]
-    row = max(rocks, key=lambda i: abs(scene.structures[i].eta))
-    columns = (
-        np.linspace(0, scene.shape[2] - 1, min(_CANDIDATES, scene.shape[2]))
-        .round()
-        .astype(np.int64)
-    )
-    return np.column_stack(
-        [np.full(columns.size, one[0, 0]), np.full(columns.size, row), columns]
-    )
 
 
 class Answer(NamedTuple):
@@ -232,23 +198,101 @@ class Verification:
     def __init__(
         self, scene: Scene, check: int, chunk: tuple[int, int], units: Sequence[Unit]
     ) -> None:
-        rows, columns = chunk
-        there = {(unit.places[0], unit.row, unit.column) for unit in units}
-        found = checked_cells(scene, check).tolist() if units else []
         self.scene = scene
-        # the places of these cells: True if one was chosen for its sensitivity, False
-        # if it was drawn by chance
-        self.sensitive = {
-            (i, r, c): bool(flag)
-            for i, r, c, flag in found
-            if (i, r - r % rows, c - c % columns) in there
-        }
-        # (outcome, theta/alpha) that the sweep found at these places
+        self.chunk = chunk
+        # (outcome, theta/alpha) that the sweep found at the places of `wanted`
         self.seen: dict[Place, tuple[int, float]] = {}
+        # the places that are checked: True if one was chosen for its sensitivity, False
+        # if it was drawn by chance
+        self.sensitive: dict[Place, bool] = {}
         self.answers: dict[Place, Answer] = {}  # those that the reference found
+        self.seconds = 0.0  # time that the checks took [s]
+        with self._timed():
+            self._units = {(unit.places[0], unit.row, unit.column) for unit in units}
+            rows, columns = (
+                -(-n // c) for n, c in zip(scene.shape[1:], chunk, strict=True)
+            )
+            share = len(units) / (len(scene.sharing()) * rows * columns)
+            self.check = math.ceil(check * share)
+            self._drawn = self._cells_drawn(share) if self.check else []
+            pairs = self._pairs() if self.check else []
+            self._candidates = pairs  # cells, and the cells next to them
+            places = {*self._drawn, *(place for pair in pairs for place in pair)}
+            # the places of each unit whose results are needed, by its first cell
+            self.wanted: dict[Place, list[Place]] = {}
+            for place in sorted(places):
+                self.wanted.setdefault(self._unit_of(place), []).append(place)
+
+    def _cells_drawn(self, share: float) -> list[Place]:
+        """Return the cells that are drawn by chance, as many as are checked."""
+
+        def there(place: Place) -> bool:
+            return self._unit_of(place) in self._units
+
+        found = sampled_cells(self.scene, self.check, share=share, there=there)
+        return [(i, row, column) for i, row, column in found.tolist()]
+
+    def _unit_of(self, place: Place) -> Place:
+        """Return the first cell of the unit that holds a place."""
+        i, row, column = place
+        return i, row - row % self.chunk[0], column - column % self.chunk[1]
+
+    def _pairs(self) -> list[tuple[Place, Place]]:
+        """Return candidates for the most sensitive cells, each with the next cell along
+        the last dimension, or along the second of a grid of one column.
+        """
+        _, rows, columns = self.scene.shape
+        pairs = []
+        for place in _drawn(self.scene, max(_CANDIDATES, self.check), _SEED + 1):
+            i, row, column = place
+            if columns > 1:
+                other = (i, row, column + 1 if column + 1 < columns else column - 1)
+            elif rows > 1:
+                other = (i, row + 1 if row + 1 < rows else row - 1, column)
+            else:
+                continue
+            if {self._unit_of(place), self._unit_of(other)} <= self._units:
+                pairs.append((place, other))
+        return pairs
+
+    @contextmanager
+    def _timed(self) -> Iterator[None]:
+        """Context whose time counts as that of the checks."""
+        began = time.perf_counter()
+        yield
+        self.seconds += time.perf_counter() - began
+
+    def ask(self, run: Callable[[Iterable[Place]], Iterator[Answer]]) -> None:
+        """Choose the cells to check from what the sweep has found, and let `run` answer
+        them by the reference.
+        """
+        with self._timed():
+            chosen = self._most_sensitive()
+            drawn = [place for place in self._drawn if place not in chosen]
+            drawn = drawn[: self.check - len(chosen)]
+            self.sensitive = dict.fromkeys(drawn, False) | dict.fromkeys(chosen, True)
+            self.answers = dict(zip(self.sensitive, run(self.sensitive), strict=True))
+
+    def _most_sensitive(self) -> list[Place]:
+        """Return half as many candidates as are checked, at least one: those whose
+        rotation differs most from that of the next cell.
+        """
+        changes: dict[Place, float] = {}
+        for place, other in self._candidates:
+            (outcome, theta), (beside, next_theta) = self.seen[place], self.seen[other]
+            if outcome == beside == Outcome.ROCKED:
+                changes[place] = abs(theta - next_theta)
+        order = sorted(changes, key=lambda place: -changes[place])
+        return order[: max(1, self.check // 2)]
 
     def compared(self) -> Mapping[str, Any]:
         """Return the result of the comparison, by the fields of `Summary`."""
+        with self._timed():
+            found = self._compared()
+        return {**found, "check_time": self.seconds}
+
+    def _compared(self) -> dict[str, Any]:
+        """Return the fields of the comparison without its time."""
         # Answers that the reference has, those with the outcome of the sweep, and by
         # how much theta/alpha of these differs.
         known = {

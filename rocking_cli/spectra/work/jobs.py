@@ -49,7 +49,7 @@ class Report:
     work: Work  # counters over all places
     outcomes: np.ndarray  # number of cells of each outcome, over all places
     differences: np.ndarray  # number of cells of each `Difference`, over all places
-    # (outcome, theta/alpha) of its cells to check
+    # (outcome, theta/alpha) of its cells that the verification needs
     seen: Mapping[Place, tuple[int, float]]
 
 
@@ -65,7 +65,8 @@ class Job:
 
     scene: Scene  # the whole sweep
     chunk: tuple[int, int]  # (rows, columns) of a unit
-    checked: tuple[Place, ...]  # cells that the reference computes again
+    # places whose results the verification needs, by the first cell of their unit
+    wanted: Mapping[Place, Sequence[Place]]
     # turns a block into the data of a report; None: the block itself
     convert: Callable[[Block], Any] | None = None
     quantities: tuple[str, ...] = ()  # names of the requested variables of `QUANTITIES`
@@ -335,19 +336,13 @@ class Job:
         )
 
     def seen(self, unit: Unit, block: Block) -> dict[Place, tuple[int, float]]:
-        """Return outcome and theta/alpha of the cells to check in this unit."""
+        """Return outcome and theta/alpha of the cells of this unit that the
+        verification needs.
+        """
         found = {}
-        for i, row, column in self.checked:
-            r, c = row - unit.row, column - unit.column
-            if (
-                i == unit.places[0]
-                and 0 <= r < self.chunk[0]
-                and 0 <= c < self.chunk[1]
-            ):
-                found[i, row, column] = (
-                    int(block["outcome"][r, c]),
-                    float(block["theta_ratio"][r, c]),
-                )
+        for place in self.wanted.get((unit.places[0], unit.row, unit.column), ()):
+            at = place[1] - unit.row, place[2] - unit.column
+            found[place] = int(block["outcome"][at]), float(block["theta_ratio"][at])
         return found
 
 
@@ -394,9 +389,8 @@ def unit_reports(
     with crew as (run, at_once):
         size = max(1, min(job.together, -(-len(units) // at_once)))
         batches = [list(units[i : i + size]) for i in range(0, len(units), size)]
-        results = run(chain(batches, verification.sensitive))
-        for batch in batches:
-            for unit, report in zip(batch, next(results), strict=True):
+        for batch, reports in zip(batches, run(batches), strict=True):
+            for unit, report in zip(batch, reports, strict=True):
                 verification.seen |= report.seen
                 yield unit, report
-        verification.answers |= zip(verification.sensitive, results, strict=True)
+        verification.ask(run)
