@@ -5,9 +5,9 @@ evaluation of a linkage takes a hundred times as long as that of a polynomial.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import lru_cache
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -28,21 +28,22 @@ _BETWEEN = np.array([-1.0, -0.55, 0.1, 0.71, 1.0])  # where a polynomial is comp
 Functions = Callable[[float], tuple[float, float, float]]
 
 
-class _Polynomials(NamedTuple):
-    """Three polynomials on one panel."""
+def _polynomials(
+    centre: float, half: float, terms: Sequence[tuple[float, float, float]]
+) -> Functions:
+    """Return three polynomials on one panel. centre, half: the middle of the panel and
+    half its width [rad]; terms: coefficients of the powers of (theta - centre)/half,
+    the highest first, each of the three functions.
+    """
 
-    centre: float  # middle of the panel [rad]
-    half: float  # half its width [rad]
-    # coefficients of the powers of (theta - centre)/half, the highest first: of each
-    # power those of the three functions
-    terms: list[tuple[float, float, float]]
-
-    def __call__(self, theta: float) -> tuple[float, float, float]:
-        x = (theta - self.centre) / self.half
+    def functions(theta: float) -> tuple[float, float, float]:
+        x = (theta - centre) / half
         a = b = c = 0.0
-        for i, j, k in self.terms:
+        for i, j, k in terms:
             a, b, c = a * x + i, b * x + j, c * x + k
         return a, b, c
+
+    return functions
 
 
 class _Tables:
@@ -84,7 +85,7 @@ class _Tables:
             found = np.vander(_BETWEEN, _DEGREE + 1) @ terms
             apart = np.abs(found - self.exactly(centre + half * _BETWEEN))
             if np.all(apart <= _CLOSE * np.abs(known).max(axis=0)):
-                return _Polynomials(centre, half, list(map(tuple, terms.tolist())))
+                return _polynomials(centre, half, terms.tolist())
         if self.halvings:
             return _Tables(self.mechanism, half, self.halvings - 1)
         return lambda theta: tuple(self.exactly(np.array(theta)).tolist())
