@@ -170,6 +170,8 @@ def _value(node: yaml.Node, depth: int, count: list[int]) -> Value:
     """Return the value of a node; depth: of its nesting; count: one number, the values
     so far. Raises DocumentError.
     """
+    from yaml import ScalarNode, SequenceNode
+
     place = _place(node)
     count[0] += 1
     if depth > DEEPEST or count[0] > MOST_VALUES:
@@ -177,11 +179,11 @@ def _value(node: yaml.Node, depth: int, count: list[int]) -> Value:
             f"{place}: {'nested too deeply' if depth > DEEPEST else 'too many values'}"
             " to be a structure document"
         )
-    if node.id == "scalar":
+    if isinstance(node, ScalarNode):
         return Value(
             _whole_characters(node.value, place), place, quoted=node.style is not None
         )
-    if node.id == "sequence":
+    if isinstance(node, SequenceNode):
         return Value([_value(child, depth + 1, count) for child in node.value], place)
     return Value(_mapping(node, depth, count), place)
 
@@ -231,7 +233,9 @@ def _require_word(key: yaml.Node, child: yaml.Node) -> None:
     """Raise DocumentError for a key that is no word, or that holds its value, as in
     `width:2`.
     """
-    if key.id != "scalar":
+    from yaml import ScalarNode
+
+    if not isinstance(key, ScalarNode):
         raise DocumentError(f"{_place(key)}: a key must be a word")
     if key.style is None and child.value == "" and (fault := unspaced(key.value)):
         raise DocumentError(f"{_place(key)}: {fault}")
