@@ -60,17 +60,15 @@ def rigid_body_rates(structure: RockingParameters, edge: Edge) -> Rates:
 
 def mechanism_rates(structure: RockingParameters, edge: Edge) -> Rates:
     """The rates of Eq. 3.4 on a side: theta' = w/sqrt(m) and w' = -(L + push B)/(M0
-    sqrt(m)) - 2 zeta w, over p^2/g, with m = M/M0 and M0 = M at rest; time by p of the
-    side.
+    sqrt(m)) - 2 zeta w, with g/p^2 of the structure, m = M/M0 and M0 = M at rest.
     """
     from .tabulated import tabulated
 
     assert edge.mechanism is not None  # called only for mechanisms
     mechanism = edge.mechanism
-    form, coefficients = tabulated(mechanism)
-    pace = edge.p / structure.p
-    pull = pace**2 / form.stiffness
-    drag = 2.0 * structure.damping * pace
+    coefficients = tabulated(mechanism, edge.alpha)
+    pull = structure.gravity / structure.p**2
+    drag = 2.0 * structure.damping * edge.p / structure.p
 
     def rates(
         theta: float, w: float, push: float, weight: float
@@ -79,7 +77,8 @@ def mechanism_rates(structure: RockingParameters, edge: Edge) -> Rates:
         return (slowness * w, -pull * (weight * lift + push * thrust) - drag * w)
 
     end = min(0.5 * math.pi, mechanism.reach)
-    return Rates(form.alpha, form.uplift, end, rates, returns=False)
+    _, lift, thrust = coefficients(0.0)
+    return Rates(edge.alpha, lift / thrust, end, rates, returns=False)
 
 
 def problem_of(

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 if TYPE_CHECKING:
-    from ...structures.mechanics.kinematics import Linearised, Mechanism
+    from ...structures.mechanics.kinematics import Mechanism
 
 _DEGREE = 10  # of the polynomials of a panel
 _PANELS = 8  # panels between rest and alpha, before they are halved
@@ -21,7 +21,8 @@ _HALVINGS = 12  # of a panel; where none of them helps, the linkage itself is as
 # in the panel
 _CLOSE = 1e-13
 _NODES = -np.cos(np.pi * (np.arange(_DEGREE + 1) + 0.5) / (_DEGREE + 1))  # of [-1, 1]
-_BETWEEN = np.array([-1.0, -0.55, 0.1, 0.71, 1.0])  # where a polynomial is compared
+# the nodes, and the places between them where a polynomial is compared
+_PLACES = np.append(_NODES, [-1.0, -0.55, 0.1, 0.71, 1.0])
 
 # 1/sqrt(m), V'/(g M0 sqrt(m)) and B/(M0 sqrt(m)) of Eq. 3.4 at a rotation [rad], with
 # m = M/M0 and M0 = M at rest
@@ -78,12 +79,11 @@ class _Tables:
         """
         half = 0.5 * self.width
         centre = (2 * place + 1) * half
-        known = self.exactly(centre + half * _NODES)
+        known = self.exactly(centre + half * _PLACES)
         if np.all(np.isfinite(known)):
-            powers = np.vander(_NODES)
-            terms = np.linalg.solve(powers, known)
-            found = np.vander(_BETWEEN, _DEGREE + 1) @ terms
-            apart = np.abs(found - self.exactly(centre + half * _BETWEEN))
+            powers = np.vander(_PLACES, _DEGREE + 1)
+            terms = np.linalg.solve(powers[: _NODES.size], known[: _NODES.size])
+            apart = np.abs(powers @ terms - known).max(axis=0)
             if np.all(apart <= _CLOSE * np.abs(known).max(axis=0)):
                 return _polynomials(centre, half, terms.tolist())
         if self.halvings:
@@ -92,11 +92,8 @@ class _Tables:
 
 
 @lru_cache(maxsize=64)
-def tabulated(mechanism: Mechanism) -> tuple[Linearised, Functions]:
-    """Return the linear form of a mechanism and its functions in Eq. 3.4. Raises
-    StructureError.
+def tabulated(mechanism: Mechanism, alpha: float) -> Functions:
+    """Return the functions of a mechanism in Eq. 3.4; alpha: its critical angle
+    [rad].
     """
-    from ...structures.mechanics.kinematics import linearise
-
-    form = linearise(mechanism)
-    return form, _Tables(mechanism, form.alpha / _PANELS, _HALVINGS)
+    return _Tables(mechanism, alpha / _PANELS, _HALVINGS)
