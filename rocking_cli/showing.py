@@ -5,7 +5,6 @@ rows of pandas.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from html import escape
 from typing import TYPE_CHECKING, Any
 
 from .plugins import require
@@ -51,6 +50,8 @@ class Shown:
 
 def html_table(title: str, row: Mapping[str, Any]) -> str:
     """Return a table in HTML with a line for each quantity that has a value."""
+    from html import escape
+
     from .reports.tables import shown_cells
 
     lines = "".join(

@@ -52,7 +52,7 @@ def accuracy(
     For the engine (the exact linear one, or the nonlinear one at tolerances from 1e-4
     to 1e-12) and for SciPy's RK45, LSODA and DOP853 with events: run time a cell,
     largest and 99th-percentile error of theta/alpha, and misjudged outcomes, against an
-    independent reference (a Runge-Kutta method in small steps).
+    independent reference (`rocking help accuracy`).
     """
     from ..motions.grid import parse_grid
     from ..reports.work_precision import work_precision

@@ -113,6 +113,7 @@ def _contents(path: str, file: "SpectraFile") -> dict[str, Any]:
         "chunks": f"{int(file.done.sum())} of {file.done.size}",
         "complete": "yes" if file.complete else "no",
         "run_time": attributes.get("run_time"),
+        "check_time": attributes.get("check_time"),
         "estimated_error": attributes.get("estimated_error") if checked else None,
         "checked_cells": checked,
         "source": attributes.get("source"),

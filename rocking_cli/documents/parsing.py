@@ -1,19 +1,23 @@
 """Documents from YAML, JSON or CSV: nodes and cells to values by key."""
 
+from __future__ import annotations
+
 import re
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-
-import yaml
+from typing import TYPE_CHECKING
 
 from ..errors import DocumentError
-from .composition import DEEPEST, MOST_VALUES, Place, Value, compose, unspaced
+from .composition import DEEPEST, MOST_VALUES, Place, Value, unspaced
 from .document import Document
 from .files import read_bytes
 from .quantities import with_a_point
 from .table import ITEM, Cell, rows_of_structures, text_of_row
 from .texts import text_of
+
+if TYPE_CHECKING:
+    import yaml
 
 
 def read_documents(path: str | Path) -> list[Document]:
@@ -56,6 +60,8 @@ def parse_documents(text: str, source: str = "<text>") -> list[Document]:
     """
     rows = rows_of_structures(text, source)
     if rows is None:
+        from .nodes import compose
+
         documents = [
             _document(node, source, i) for i, node in enumerate(compose(text, source))
         ]
@@ -127,6 +133,8 @@ def _only_node(text: str, place: Place) -> yaml.Node | None:
     """Return the YAML list or mapping of a cell, None for a text that only begins like
     one.
     """
+    from .nodes import compose
+
     try:
         (node,) = compose(text, place.source, place.line - 1)
     except (DocumentError, ValueError):
@@ -162,6 +170,8 @@ def _value(node: yaml.Node, depth: int, count: list[int]) -> Value:
     """Return the value of a node; depth: of its nesting; count: one number, the values
     so far. Raises DocumentError.
     """
+    from yaml import ScalarNode, SequenceNode
+
     place = _place(node)
     count[0] += 1
     if depth > DEEPEST or count[0] > MOST_VALUES:
@@ -169,11 +179,11 @@ def _value(node: yaml.Node, depth: int, count: list[int]) -> Value:
             f"{place}: {'nested too deeply' if depth > DEEPEST else 'too many values'}"
             " to be a structure document"
         )
-    if isinstance(node, yaml.ScalarNode):
+    if isinstance(node, ScalarNode):
         return Value(
             _whole_characters(node.value, place), place, quoted=node.style is not None
         )
-    if isinstance(node, yaml.SequenceNode):
+    if isinstance(node, SequenceNode):
         return Value([_value(child, depth + 1, count) for child in node.value], place)
     return Value(_mapping(node, depth, count), place)
 
@@ -223,7 +233,9 @@ def _require_word(key: yaml.Node, child: yaml.Node) -> None:
     """Raise DocumentError for a key that is no word, or that holds its value, as in
     `width:2`.
     """
-    if not isinstance(key, yaml.ScalarNode):
+    from yaml import ScalarNode
+
+    if not isinstance(key, ScalarNode):
         raise DocumentError(f"{_place(key)}: a key must be a word")
     if key.style is None and child.value == "" and (fault := unspaced(key.value)):
         raise DocumentError(f"{_place(key)}: {fault}")

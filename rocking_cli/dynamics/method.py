@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from .references.general_solver import Problem
 
 TOLERANCE = 1e-9
-CHECKED_BY = "a Runge-Kutta method"  # the slower solver of `reference_of`
+CHECKED_BY = "an independent solver"  # the slower one of `reference_of`
 Reference = Callable[["Motion", float, float, float], tuple["Outcome", float]]
 
 

@@ -12,8 +12,8 @@ import numpy as np
 
 from ..dynamics.method import Method, governing_method
 from ..dynamics.outcome import Outcome
-from ..dynamics.references.extrapolation import Script
 from ..dynamics.references.general_solver import solve_cell
+from ..dynamics.references.script import Script
 from ..dynamics.response import response
 from ..errors import UsageError
 from ..motions.given import AnyMotion, with_grid

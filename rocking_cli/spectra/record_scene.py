@@ -16,7 +16,7 @@ import numpy as np
 from ..documents.quantities import DEFAULT_GRAVITY
 from ..dynamics.method import LINEAR, TOLERANCE, Method, governing_method
 from ..dynamics.outcome import Outcome
-from ..dynamics.response import response
+from ..dynamics.response import cheaper, response
 from ..errors import StructureError, UsageError
 from ..motions.grid import MAX_CELLS, Axis, parse_angles, parse_axes, written_axes
 from ..motions.recording import Recording
@@ -199,9 +199,9 @@ class RecordScene(Scene):
         if not self.method.exact or not nonlinear.serves(cell.structure):
             return None
         at = (np.array([cell.amplitude]), np.array([cell.omega]), cell.structure.eta)
-        found = response(
-            nonlinear.system_of(cell.structure), cell.motion, *at, peaks=False
-        )
+        system = nonlinear.system_of(cell.structure)
+        how = cheaper(system, cell.motion, 1)
+        found = response(system, cell.motion, *at, peaks=False, how=how)
         return Outcome(int(found.outcome[0]))
 
     def stated(self) -> dict[str, Any]:

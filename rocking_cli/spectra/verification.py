@@ -2,8 +2,9 @@
 cells, and a comparison of the two equations.
 
 Half of the cells are drawn at random, half are those of high sensitivity: of 128 drawn
-cells the ones whose rotation differs most from that of the next cell of the grid. They
-depend on the scene and its shard alone, not on workers or units.
+cells the ones whose rotation differs most from that of the next cell of the grid. A
+single cell is of the latter, since it tells a rotation too. They depend on the scene
+and its shard alone, not on workers or units.
 """
 
 import math
@@ -31,8 +32,9 @@ Place = tuple[int, int, int]  # (structure, row, column) of a cell
 _SEED = 20120924
 _CANDIDATES = 128  # candidates for the most sensitive cells
 _DRAWS = 20  # draws for each cell that is wanted: of many scenes half the cells lift
-# cells of a sweep below which half as many are checked, for the time that they take
-_SMALL = 2_000
+# numbers of cells of a sweep below which one or two are checked, for the time that they
+# take
+_SMALL, _MIDDLE = (1_000, 5_000)
 _EXACT = 1e-10  # tolerance for an exact method, for the rounding of two solvers
 # relative change of each input; the linear equation leaves the differences 8 digits
 STEP = 1e-7
@@ -88,11 +90,11 @@ def condition_of(
 
 
 def default_check(scene: Scene) -> int:
-    """Return the default number of cells to compute again: 2 of a small sweep, so that
-    they take at most a fifth of its time, and up to 64 of a large one.
+    """Return the default number of cells to compute again: 1 of a small sweep, so that
+    it takes a fifth of its time at most, and up to 64 of a large one.
     """
-    if scene.cells < _SMALL:
-        return 2
+    if scene.cells < _MIDDLE:
+        return 1 if scene.cells < _SMALL else 2
     return 4 if not scene.method.exact else max(4, min(64, scene.cells // 250_000))
 
 
@@ -213,7 +215,7 @@ class Verification:
             share = len(units) / (len(scene.sharing()) * rows * columns)
             self.check = math.ceil(check * share)
             self._drawn = self._cells_drawn(share) if self.check else []
-            pairs = self._pairs() if self.check > 1 else []
+            pairs = self._pairs() if self.check else []
             self._candidates = pairs  # cells, and the cells next to them
             places = {*self._drawn, *(place for pair in pairs for place in pair)}
             # the places of each unit whose results are needed, by its first cell
@@ -272,8 +274,8 @@ class Verification:
             self.answers = dict(zip(self.sensitive, run(self.sensitive), strict=True))
 
     def _most_sensitive(self) -> list[Place]:
-        """Return half as many candidates as are checked: those whose rotation differs
-        most from that of the next cell.
+        """Return half as many candidates as are checked, at least one: those whose
+        rotation differs most from that of the next cell.
         """
         changes: dict[Place, float] = {}
         for place, other in self._candidates:
@@ -281,7 +283,7 @@ class Verification:
             if outcome == beside == Outcome.ROCKED:
                 changes[place] = abs(theta - next_theta)
         order = sorted(changes, key=lambda place: -changes[place])
-        return order[: self.check // 2]
+        return order[: max(1, self.check // 2)]
 
     def compared(self) -> Mapping[str, Any]:
         """Return the result of the comparison, by the fields of `Summary`."""

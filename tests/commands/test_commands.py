@@ -196,7 +196,9 @@ def loaded(arguments: str, folder: Path) -> dict[str, str]:
             [
                 "scipy",
                 "yaml",
+                "html",
                 "numpy.ma",
+                "numpy.random",
                 RECORDS,
                 "rocking_cli.spectra.file.reader",
                 BODY,
@@ -208,7 +210,7 @@ def loaded(arguments: str, folder: Path) -> dict[str, str]:
                 "spectrum block:0.5x2 --model nonlinear --grid a_g=0.1g:1g:3,f_g=1:5:3"
                 " -o OUT"
             ),
-            ["scipy", RECORDS, ARCH, "rocking_cli.dynamics.samples.exact"],
+            ["scipy", "yaml", RECORDS, ARCH, "rocking_cli.dynamics.samples.exact"],
         ),
         (
             (
@@ -217,7 +219,7 @@ def loaded(arguments: str, folder: Path) -> dict[str, str]:
             ),
             ["scipy", ARCH],
         ),
-        ("response block:0.5x2 --a-g 0.3g --f-g 1 --events", ["h5py"]),
+        ("response block:0.5x2 --a-g 0.3g --f-g 1 --events", ["h5py", "yaml"]),
     ],
     ids=lambda x: x[:12],
 )
@@ -257,7 +259,7 @@ def code_tokens(file: Path) -> int:
     ("arguments", "most"),
     [
         ("check configs/block.yaml --a-g 0.35g --f-g 1.5", 134_000),
-        ("spectrum --eta 0.9 --grid A=1:2:2,Omega=1:2:2 -q -o OUT", 93_000),
+        ("spectrum --eta 0.9 --grid A=1:2:2,Omega=1:2:2 -q -o OUT", 92_000),
     ],
     ids=["check", "spectrum"],
 )

@@ -9,7 +9,7 @@ import pytest
 from support.refusals import refuses
 
 from rocking_cli import DocumentError, build_structure, parse_documents
-from rocking_cli.documents import composition, files
+from rocking_cli.documents import files, nodes
 from rocking_cli.documents.parsing import read_documents
 from rocking_cli.motions.motion_document import build_motion
 
@@ -40,7 +40,7 @@ test_every_fault_of_a_text_has_its_place = refuses(
 
 
 def test_a_file_beyond_the_limit_is_not_composed(tmp_path, monkeypatch):
-    monkeypatch.setattr(composition, "_Composer", None)  # would fail
+    monkeypatch.setattr(nodes, "_Composer", None)  # would fail
     path = tmp_path / "f.yaml"
     path.write_text("# a comment\n" * 200_000)
     with pytest.raises(
@@ -56,7 +56,7 @@ def test_a_file_beyond_the_limit_is_not_composed(tmp_path, monkeypatch):
 
 
 def test_composing_stops_at_the_limit_of_values(monkeypatch):
-    monkeypatch.setattr(composition, "MOST_VALUES", 20)
+    monkeypatch.setattr(nodes, "MOST_VALUES", 20)
     text = (
         "points:\n" + "".join(f"- [{i}, 0]\n" for i in range(1000)) + "- }"
     )  # what follows is not composed
@@ -67,12 +67,12 @@ def test_composing_stops_at_the_limit_of_values(monkeypatch):
 
 
 def test_the_limit_of_values_is_that_of_one_document(monkeypatch):
-    monkeypatch.setattr(composition, "MOST_VALUES", 8)
+    monkeypatch.setattr(nodes, "MOST_VALUES", 8)
     assert len(parse_documents("---\n".join([BLOCK] * 5))) == 5
 
 
 def test_a_long_stream_of_json_objects_is_read(monkeypatch):
-    monkeypatch.setattr(composition, "LONGEST", 60)  # of each, not of the stream
+    monkeypatch.setattr(nodes, "LONGEST", 60)  # of each, not of the stream
     documents = parse_documents(
         '{"kind": "block", "width": 1, "height": 5}\n\n' * 200, "f"
     )

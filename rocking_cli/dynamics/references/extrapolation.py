@@ -1,13 +1,12 @@
-"""Solves an equation of second order by the modified midpoint rule, extrapolated to
-step length 0 (Gragg, Bulirsch and Stoer; Hairer, Norsett and Wanner, Solving Ordinary
-Differential Equations I, II.9). SciPy's solvers take longer to import than a small
-sweep takes.
+"""Solves an equation of second order, with its peaks and its impact: by the modified
+midpoint rule, extrapolated to step length 0 (Gragg, Bulirsch and Stoer; Hairer, Norsett
+and Wanner, Solving Ordinary Differential Equations I, II.9), or by a closed form.
+SciPy's solvers take longer to import than a small sweep takes.
 """
 
 from collections.abc import Callable
 from contextlib import suppress
-from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 # (theta', w') of (time, theta, w)
 Rate = Callable[[float, float, float], tuple[float, float]]
@@ -25,6 +24,8 @@ _ROWS = 3
 # a step with a dip of the velocity inside is halved down to this length, over the
 # stretch
 _DIP = 1.0 / 64.0
+# rotation over the critical angle below which a closed form is not used
+_TINY = 1e-3
 # first step from an impact over speed/force: four times as long as the bounce
 _BOUNCES = 8.0
 _SHORTEST = 1e-12  # least step, over the length of the stretch
@@ -52,16 +53,39 @@ class Path(NamedTuple):
     steps: list[StatePoint]  # the ends of all steps
 
 
-def step(
+class Flow(NamedTuple):
+    """An equation of motion on one edge, under one piece of a motion."""
+
+    rate: Rate  # its right side
+    unit: float = 1.0  # critical angle [rad]
+    # function of a state and a length that returns the state so much later in closed
+    # form; None without one
+    exact: Callable[[StatePoint, float], StatePoint] | None = None
+
+    def step(
+        self,
+        start: StatePoint,
+        length: float,
+        first: tuple[float, float] | None = None,
+    ) -> StatePoint | None:
+        """Return the state `length` after `start`; None if the step is too long for the
+        extrapolations to agree. first: the rates at the start, where they are known.
+        """
+        # Rounding of a closed form is that of terms of the order of the critical angle.
+        if self.exact is not None and start.theta > _TINY * self.unit:
+            return self.exact(start, length)
+        return _extrapolated(self.rate, start, length, self.unit, first)
+
+
+def _extrapolated(
     rate: Rate,
     start: StatePoint,
     length: float,
-    unit: float = 1.0,
-    first: tuple[float, float] | None = None,
+    unit: float,
+    first: tuple[float, float] | None,
 ) -> StatePoint | None:
-    """The state `length` after `start`; None if the step is too long for the
-    extrapolations to agree. unit: the critical angle [rad]; first: the rates at the
-    start, where they are known.
+    """Return the state `length` after `start` by extrapolation, None if the step is too
+    long.
     """
     time, theta, w = start
     last: list[tuple[float, float]] = []  # the row before in the table
@@ -113,15 +137,14 @@ def _midpoint_rule(
     )
 
 
-def path(
-    rate: Rate, start: StatePoint, stop: float, limit: float, unit: float = 1.0
-) -> Path:
+def path(flow: Flow, start: StatePoint, stop: float, limit: float) -> Path:
     """The path from an instant on or above the ground until `stop`, an impact, or an
     angle beyond `limit`. It finds at most one peak in a step, or one dip, which may
     reach the ground although both ends of the step lie above it. The stretch is one
-    step where the extrapolations agree. unit: the critical angle [rad]. Raises
-    ArithmeticError when no step is short enough.
+    step where the extrapolations agree. Raises ArithmeticError when no step is short
+    enough.
     """
+    rate = flow.rate
     peaks: list[StatePoint] = []
     stretch, passed = stop - start.time, 0.0
     longest, here, steps = stretch, start, [start]
@@ -133,7 +156,7 @@ def path(
     while passed < stretch and here.theta <= limit:
         if stretch - passed < 1.001 * length:
             length = stretch - passed
-        there = step(rate, here, length, unit, rates)
+        there = flow.step(here, length, rates)
         # A step from rest that ends without outward speed: the body may have gone up
         # and down again inside it.
         hop = (
@@ -158,13 +181,13 @@ def path(
         passed += length
         there = there._replace(time=stop if passed >= stretch else start.time + passed)
         if here.w < 0.0 < there.w and there.theta > 0.0:
-            bottom = passes(rate, here, there, 2, unit, -1.0)
+            bottom = passes(flow, here, there, 2, -1.0)
             there = bottom if bottom.theta <= 0.0 else there
         struck = there.theta <= 0.0
         if struck:
-            there = passes(rate, here, there, 1, unit)
+            there = passes(flow, here, there, 1)
         if here.w > 0.0 >= there.w:
-            peaks.append(passes(rate, here, there, 2, unit))
+            peaks.append(passes(flow, here, there, 2))
         steps.append(there)
         length = min(2.0 * length, longest)
         if struck:
@@ -174,17 +197,17 @@ def path(
 
 
 def passes(
-    rate: Rate,
+    flow: Flow,
     start: StatePoint,
     end: StatePoint,
     which: int,
-    unit: float,
     sense: float = 1.0,
     level: float = 0.0,
 ) -> StatePoint:
     """Where theta (which = 1) or w (2) falls (sense = 1) or rises (-1) through a level,
     to `_NEAR`; the caller adds a tangent step.
     """
+    rate = flow.rate
     low, high = 0.0, end.time - start.time
     length = high * _cubic_root(
         sense * (start[which] - level),
@@ -192,7 +215,7 @@ def passes(
         sense * (end[which] - level),
         sense * rate(*end)[which - 1] * high,
     )
-    there = step(rate, start, length, unit) or end
+    there = flow.step(start, length) or end
     for _ in range(_ROUNDS):
         value = sense * (there[which] - level)
         slope = sense * rate(*there)[which - 1]
@@ -202,7 +225,7 @@ def passes(
         if abs(target - length) <= _NEAR * target or not low < target < high:
             break
         length = target
-        there = step(rate, start, length, unit) or there
+        there = flow.step(start, length) or there
     return there
 
 
@@ -220,59 +243,3 @@ def _cubic_root(first: float, slope: float, last: float, end_slope: float) -> fl
         else:
             high = x
     return high
-
-
-@dataclass(frozen=True)
-class Script:
-    """SciPy's `solve_ivp` with events, as a user's script would call it. `rocking
-    accuracy` compares the engine with it.
-    """
-
-    method: str  # name of the method of `solve_ivp`
-    tolerance: float  # tolerance that `solve_ivp` is given
-
-    def __call__(
-        self,
-        rate: Rate,
-        start: StatePoint,
-        stop: float,
-        limit: float,
-        unit: float = 1.0,
-    ) -> Path:
-        """Return the same as `path`; SciPy's solver takes no unit."""
-        from scipy.integrate import solve_ivp
-
-        events: tuple[Any, ...] = (
-            lambda t, state: state[0],
-            lambda t, state: state[1],
-            lambda t, state: state[0] - limit,
-        )
-        # The three events in order: impact, peak, end of the body's range. Only a peak
-        # does not stop the integration.
-        for event, direction, terminal in zip(
-            events, (-1, -1, 1), (True, False, True), strict=True
-        ):
-            event.direction, event.terminal = direction, terminal
-        found = solve_ivp(
-            lambda t, state: rate(t, float(state[0]), float(state[1])),
-            (start.time, stop),
-            start[1:],
-            method=self.method,
-            rtol=max(self.tolerance, 2.3e-14),
-            atol=self.tolerance,
-            events=events,
-        )
-        impacts, peaks, _ = (
-            [StatePoint(float(t), *map(float, y)) for t, y in zip(*x, strict=True)]
-            for x in zip(found.t_events, found.y_events, strict=True)
-        )
-        steps = [
-            StatePoint(float(t), *map(float, y))
-            for t, y in zip(found.t, found.y.T, strict=True)
-        ]
-        return Path(
-            [p for p in peaks if p.time > start.time],
-            impacts[0] if impacts else steps[-1],
-            bool(impacts),
-            steps,
-        )

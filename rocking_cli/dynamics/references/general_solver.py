@@ -1,12 +1,13 @@
 """A second, slower solver for every equation and contact, as a check: a Runge-Kutta
 method on the equation as the paper writes it.
 
-It shares no series, table, window, closed form or energy argument with the engine. The
-state is (theta, w), w = sqrt(M) theta', which takes the velocity term out of Eq. 3.4;
-for a rigid body M = 1. A stretch is half a radian of the fastest motion; impacts and
-peaks are found where signs change (`extrapolation`). A body loses contact where the
-ground falls away from it, and a rigid body that rocks where Fz <= 0 at instants along
-its steps.
+It shares no series, table, window, closed form or energy argument with the engine. A
+linear equation is solved in closed form where a body is well above the ground. The
+state is (theta, w), w = sqrt(M/M0) theta', which takes the velocity term out of Eq.
+3.4; M0 is M at rest, and w = theta' of a rigid body. A stretch is half a radian of the
+fastest motion; impacts and peaks are found where signs change (`extrapolation`). A body
+loses contact where the ground falls away from it, and a rigid body that rocks where Fz
+<= 0 at instants along its steps.
 """
 
 from __future__ import annotations
@@ -18,7 +19,8 @@ from typing import NamedTuple
 
 from ...motions.motion import Motion, Piece, extremes, plus
 from ..outcome import FALLEN, Outcome
-from .extrapolation import Path, Rate, StatePoint, path, step
+from .extrapolation import Flow, Path, Rate, StatePoint, path
+from .linear_form import LinearForm
 
 # limit of the number of stretches of a cell: a constant, and an addition for each
 # segment of the motion
@@ -61,6 +63,7 @@ class Rates(NamedTuple):
     # False if a body that loses contact beyond alpha has an unknown outcome, so that
     # its cell fails
     returns: bool = True
+    linear: LinearForm | None = None  # the closed form of a linear equation
 
 
 class Problem(NamedTuple):
@@ -241,7 +244,7 @@ class ReferenceBody:
         """The forces downwards at an instant, over m g."""
         return self.weight(at.time)
 
-    def cut(self, rate: Rate, found: Path) -> Path:
+    def cut(self, flow: Flow, found: Path) -> Path:
         """Hook: the part of a path on which the equation holds."""
         return found
 
@@ -270,16 +273,17 @@ class ReferenceBody:
     def move(self, piece: Piece, end: float) -> None:
         """Move the body over one stretch, or to the impact in it."""
         start = StatePoint(self.time, self.theta, self.w)
-        rate = self._rate(piece)
+        flow = self._flow(piece)
+        rate = flow.rate
         fastest = max((h.frequency for h in piece.harmonics), default=0.0)
         stretch = 0.5 / (1.0 + self.omega * fastest)
         if self.solver is not path:
             stretch = _SCRIPT_STRETCH
         stop = min(end, self.time + stretch)
         limit = self.here.limit * (1.0 + 1e-9)  # surely beyond it
-        found = self.solver(rate, start, stop, limit, self.here.alpha)
-        peaks, there, hits, steps = self.cut(rate, found)
-        self.check_contact(rate, steps)
+        found = self.solver(flow, start, stop, limit)
+        peaks, there, hits, steps = self.cut(flow, found)
+        self.check_contact(flow, steps)
         for peak in peaks:
             speed, force = rate(*peak)
             height = (peak.theta - 0.5 * speed * peak.w / force) / self.here.alpha
@@ -289,8 +293,8 @@ class ReferenceBody:
         else:
             self.time, self.theta, self.w = there
 
-    def _rate(self, piece: Piece) -> Rate:
-        """The rates (theta', w') on this side under a piece of the motion."""
+    def _flow(self, piece: Piece) -> Flow:
+        """The equation on this side under a piece of the motion."""
         of, push = self.here.of, self.side * self.drive
 
         def rate(t: float, theta: float, w: float) -> tuple[float, float]:
@@ -300,7 +304,9 @@ class ReferenceBody:
                 else of(theta, w, 0.0, 1.0)
             )
 
-        return rate
+        linear = self.here.linear if self.up is None else None
+        exact = linear and linear.under(piece, self.omega, push)
+        return Flow(rate, self.here.alpha, exact)
 
     def _land(
         self, piece: Piece, there: StatePoint, rate: Rate, earliest: float
@@ -324,7 +330,7 @@ class ReferenceBody:
         if self.w <= 0.0 or (self.w < _AT_REST and not lifted and eta < 1.0):
             self.side, self.w = 0, 0.0
 
-    def check_contact(self, rate: Rate, steps: list[StatePoint]) -> None:
+    def check_contact(self, flow: Flow, steps: list[StatePoint]) -> None:
         """Record in `contact_lost` if Fz falls to zero along these steps of a body
         whose forces are known; such a body has theta' = w.
         """
@@ -333,7 +339,7 @@ class ReferenceBody:
             return
 
         def acceleration_and_fz(at: StatePoint) -> tuple[float, float]:
-            acceleration = rate(*at)[1]
+            acceleration = flow.rate(*at)[1]
             return acceleration, arm.fz(at.theta, at.w, acceleration, self.pressure(at))
 
         after = acceleration_and_fz(steps[0])
@@ -350,7 +356,7 @@ class ReferenceBody:
             def within(
                 part: float, one: StatePoint = one, length: float = length
             ) -> float:
-                at = step(rate, one, part * length, self.here.alpha) or one
+                at = flow.step(one, part * length) or one
                 return acceleration_and_fz(at)[1]
 
             self.contact_lost = self.contact_lost or falls_to_zero(

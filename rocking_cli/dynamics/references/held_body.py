@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 from ...motions.motion import Motion
 from ...structures.restraints import Strand
-from .extrapolation import Path, Rate, StatePoint, passes
+from .extrapolation import Flow, Path, StatePoint, passes
 from .general_solver import Problem, Rates, ReferenceBody
 
 if TYPE_CHECKING:
@@ -149,9 +149,9 @@ class Held:
         )
         return _FAR * alpha if self.linear else min(turned, default=0.5 * math.pi)
 
-    def cut(self, side: int, rate: Rate, found: Path, alpha: float) -> Path:
+    def cut(self, side: int, flow: Flow, found: Path) -> Path:
         """The part of a path on which no law changes: it ends where one does, or at the
-        first peak if a device yields. alpha: the critical angle of the side [rad].
+        first peak if a device yields.
         """
         devices, peaks, passed = self.devices[side], found.peaks, [found.steps[0]]
         yields = any(d.law == "yielding" for d in devices)
@@ -161,7 +161,7 @@ class Held:
                 if yields and other in peaks:
                     return Path([other], other._replace(w=0.0), False, passed)
                 continue
-            there = _end_of_law(devices, rate, one, other, alpha)
+            there = _end_of_law(devices, flow, one, other)
             return Path(
                 [p for p in peaks if p in passed], there, False, [*passed, there]
             )
@@ -187,11 +187,7 @@ class Held:
 
 
 def _end_of_law(
-    devices: list[_Device],
-    rate: Rate,
-    one: StatePoint,
-    other: StatePoint,
-    alpha: float,
+    devices: list[_Device], flow: Flow, one: StatePoint, other: StatePoint
 ) -> StatePoint:
     """The first instant between two states, with no peak between them, at which a law
     of a device has ended.
@@ -205,9 +201,9 @@ def _end_of_law(
         else:
             high = middle
     falls = 1.0 if other.theta < one.theta else -1.0
-    there = passes(rate, one, other, 1, alpha, falls, high)
+    there = passes(flow, one, other, 1, falls, high)
     # A tangent step to this rotation.
-    speed, force = rate(*there)
+    speed, force = flow.rate(*there)
     miss = (high - there.theta) / speed if speed else 0.0
     time = min(max(there.time + miss, one.time), other.time)
     return StatePoint(time, high, there.w + (time - there.time) * force)
@@ -220,7 +216,11 @@ class _TiedBody(ReferenceBody):
         super().__init__(motion, problem, *numbers)
         self.held, self.free = held, problem.edges
         self.edges = {
-            i: e._replace(of=self.restrained(i, e), limit=self.held.limit(i, e.alpha))
+            i: e._replace(
+                of=self.restrained(i, e),
+                limit=self.held.limit(i, e.alpha),
+                linear=None,
+            )
             for i, e in problem.edges.items()
         }
         self.follow()
@@ -243,8 +243,8 @@ class _TiedBody(ReferenceBody):
     def pressure(self, at: StatePoint) -> float:
         return 1.0 + self.held.downwards(self.side, at.theta)
 
-    def cut(self, rate: Rate, found: Path) -> Path:
-        return self.held.cut(self.side, rate, found, self.here.alpha)
+    def cut(self, flow: Flow, found: Path) -> Path:
+        return self.held.cut(self.side, flow, found)
 
     def follow(self) -> None:
         """Choose the laws of the devices where the body is now, and the drive that

@@ -9,7 +9,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from .general_solver import Arm, Problem, Rates
-from .held_body import body_with
+from .linear_form import LinearForm
 
 if TYPE_CHECKING:
     from ...structures.parameters import RockingParameters, Side
@@ -35,7 +35,8 @@ def linear_rates(structure: RockingParameters, edge: Edge) -> Rates:
             - 2.0 * damping * pace * w,
         )
 
-    return Rates(alpha, alpha / a_scale, math.inf, rates)
+    form = LinearForm(alpha, a_scale, pace, damping)
+    return Rates(alpha, alpha / a_scale, math.inf, rates, linear=form)
 
 
 def rigid_body_rates(structure: RockingParameters, edge: Edge) -> Rates:
@@ -58,17 +59,16 @@ def rigid_body_rates(structure: RockingParameters, edge: Edge) -> Rates:
 
 
 def mechanism_rates(structure: RockingParameters, edge: Edge) -> Rates:
-    """The rates of Eq. 3.4 on a side: theta' = w/sqrt(M), w' = -(L + push B)/sqrt(M) -
-    2 zeta w, over p^2/g, with the mechanism's coefficients, time by p of the side.
+    """The rates of Eq. 3.4 on a side: theta' = w/sqrt(m) and w' = -(L + push B)/(M0
+    sqrt(m)) - 2 zeta w, with g/p^2 of the structure, m = M/M0 and M0 = M at rest.
     """
     from .tabulated import tabulated
 
     assert edge.mechanism is not None  # called only for mechanisms
     mechanism = edge.mechanism
-    form, coefficients = tabulated(mechanism)
-    pace = edge.p / structure.p
-    pull = pace**2 / form.stiffness
-    drag = 2.0 * structure.damping * pace
+    coefficients = tabulated(mechanism, edge.alpha)
+    pull = structure.gravity / structure.p**2
+    drag = 2.0 * structure.damping * edge.p / structure.p
 
     def rates(
         theta: float, w: float, push: float, weight: float
@@ -77,7 +77,8 @@ def mechanism_rates(structure: RockingParameters, edge: Edge) -> Rates:
         return (slowness * w, -pull * (weight * lift + push * thrust) - drag * w)
 
     end = min(0.5 * math.pi, mechanism.reach)
-    return Rates(form.alpha, form.uplift, end, rates, returns=False)
+    _, lift, thrust = coefficients(0.0)
+    return Rates(edge.alpha, lift / thrust, end, rates, returns=False)
 
 
 def problem_of(
@@ -97,6 +98,8 @@ def problem_of(
     arms = arms if len(arms) == len(own) else {}
     body = None
     if structure.restraints:
+        from .held_body import body_with
+
         body = body_with(
             structure.restraints,
             {i: e.p / structure.p for i, e in own.items()},
@@ -104,18 +107,10 @@ def problem_of(
             linear=rates is linear_rates,
         )
     if sides:
-        # w of Eq. 3.4 is sqrt(M) theta', so M at rest of both sides enters its ratio
-        root = dict.fromkeys(sides, 1.0)
-        if rates is mechanism_rates:
-            root = {
-                i: math.sqrt(float(s.mechanism.coefficients(0.0).inertia))
-                for i, s in sides.items()
-                if s.mechanism is not None
-            }
         return Problem(
             {i: rates(structure, s) for i, s in sides.items()},
             scale,
-            {i: s.eta * (root[-i] / root[i]) for i, s in sides.items()},
+            {i: s.eta for i, s in sides.items()},
             arms,
             body,
         )

@@ -153,13 +153,14 @@ def _copied(files: Sequence[SpectraFile], writer: SpectraWriter) -> np.ndarray:
 
 def _totals(files: Sequence[SpectraFile], outcomes: np.ndarray) -> dict[str, Any]:
     """Return the closing attributes of the whole file from those of the shards."""
-    run_time, checked, error = (
+    run_time, check_time, checked, error = (
         [file.attributes.get(key, 0) for file in files]
-        for key in ("run_time", "checked_cells", "estimated_error")
+        for key in ("run_time", "check_time", "checked_cells", "estimated_error")
     )
     return {
         "cells": int(outcomes.sum()),
         "run_time": sum(run_time),
+        "check_time": sum(check_time),
         "checked_cells": sum(checked),
         "estimated_error": max(error),
         **{f"cells_{o.flag}": int(outcomes[o]) for o in Outcome},

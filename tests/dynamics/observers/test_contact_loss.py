@@ -30,8 +30,8 @@ from rocking_cli.dynamics.observers.contact_loss import (
     chord_errors,
 )
 from rocking_cli.dynamics.outcome import safe
-from rocking_cli.dynamics.references.extrapolation import Script
 from rocking_cli.dynamics.references.general_solver import solve_cell
+from rocking_cli.dynamics.references.script import Script
 from rocking_cli.motions.biaxial import with_vertical
 from rocking_cli.motions.polyline import Polyline
 from rocking_cli.responses.time_history import time_history

@@ -8,8 +8,9 @@ from rocking_cli.dynamics.references.tabulated import tabulated
 
 
 def mechanisms(document):
+    """(mechanism, alpha) of each side."""
     (structure,) = load_structures(f"configs/{document}.yaml")
-    return [side.mechanism for side in structure.sides] or [structure.mechanism]
+    return [(side.mechanism, side.alpha) for side in structure.sides or (structure,)]
 
 
 @pytest.mark.parametrize(
@@ -20,24 +21,26 @@ def test_the_polynomials_are_the_linkage_to_rounding(document):
     which the links lock, where 1/sqrt(M) falls to zero like a root.
     """
     random = np.random.default_rng(3)
-    for mechanism in mechanisms(document):
-        form, functions = tabulated(mechanism)
-        end = min(2.0 * form.alpha, mechanism.reach)
-        places = random.uniform(-0.1 * form.alpha, end, 200)
+    for mechanism, alpha in mechanisms(document):
+        functions = tabulated(mechanism, alpha)
+        end = min(2.0 * alpha, mechanism.reach)
+        places = random.uniform(-0.1 * alpha, end, 200)
         c = mechanism.coefficients(places)
-        exact = np.stack([np.ones(200), c.lift, c.push]) / np.sqrt(c.inertia)
+        at_rest = mechanism.coefficients(0.0).inertia
+        exact = np.stack([np.ones(200), c.lift / at_rest, c.push / at_rest])
+        exact /= np.sqrt(c.inertia / at_rest)
         found = np.array([functions(float(theta)) for theta in places]).T
         assert np.all(np.abs(found - exact).max(axis=1) <= 1e-12 * np.abs(exact).max(1))
 
 
 def test_where_no_polynomial_is_close_the_linkage_is_asked():
     """Up to the place where the links lock, where M is not analytic."""
-    (mechanism,) = mechanisms("mechanism")
-    _, functions = tabulated(mechanism)
+    ((mechanism, alpha),) = mechanisms("mechanism")
+    functions = tabulated(mechanism, alpha)
+    at_rest = mechanism.coefficients(0.0).inertia
     for part in (0.5, 0.1, 1e-2, 1e-4, 1e-6):
         theta = mechanism.reach * (1.0 - part)
         c = mechanism.coefficients(theta)
-        root = np.sqrt(c.inertia)
-        assert functions(theta) == pytest.approx(
-            (1.0 / root, c.lift / root, c.push / root), rel=1e-11
-        )
+        root = np.sqrt(c.inertia / at_rest)
+        exact = np.array([1.0, c.lift / at_rest, c.push / at_rest]) / root
+        assert functions(theta) == pytest.approx(exact, rel=1e-11)
