@@ -110,7 +110,7 @@ def test_pulses_agree_with_a_runge_kutta_method_and_their_chord(name):
     for start, stop in pairwise(marks.tolist()):
         inside = found.marks[(found.marks > start + 1e-9) & (found.marks < stop - 1e-9)]
         middle = 0.5 * (inside[:-1] + inside[1:])
-        inside = np.sort(np.append(inside[::5], middle[::5]))
+        inside = np.sort(np.append(inside[::10], middle[::10]))
 
         def across(t, low=start, high=stop):
             phase = omega * np.clip(t, low + 1e-12, high - 1e-12)
