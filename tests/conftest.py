@@ -126,6 +126,17 @@ def refused(rocking: Run, tmp_path: Path) -> Callable[..., str]:
     return run
 
 
+@pytest.fixture
+def undrawn(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Figures are planned and not drawn, for tests of the words around them."""
+
+    def saved(_: object, target: io.BytesIO, **__: object) -> None:
+        target.write(b"<?xml version='1.0'?><svg/>")
+
+    pytest.importorskip("matplotlib")
+    monkeypatch.setattr("matplotlib.figure.Figure.savefig", saved)
+
+
 @pytest.fixture(scope="session")
 def spectrum_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A complete spectra file of one restitution, to be read only."""

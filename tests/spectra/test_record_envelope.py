@@ -145,7 +145,7 @@ def test_the_command(rocking, refused, tmp_path):
         "--dt",
         "0.05",
         "--a-max",
-        "2",
+        "1.3",
     )
     done = rocking("envelope", "b.yaml", *call, "--first", "--json")
     one, other = done.records
