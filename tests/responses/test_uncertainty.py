@@ -121,7 +121,7 @@ def test_first_overturning_and_the_indices_of_both_keys():
 )
 def test_a_draw_has_the_verdict_that_it_has_alone(text):
     structures, _ = drawn(text, 2)
-    motion, grid = rk.sine(), rk.parse_grid("a_g=0.42g,f_g=1.5")
+    motion, grid = rk.pulse("rectangular"), rk.parse_grid("a_g=0.42g,T_g=0.5")
     codes = outcomes_at(structures, motion, grid)
     first = first_overturning_of(structures, motion, grid, [20.0] * 2)
     for structure, code, amplitude in zip(structures, codes, first, strict=True):
