@@ -131,7 +131,7 @@ def test_a_family_is_drawn_over_a_ratio_with_a_key_of_the_document(rocking, tmp_
 
 @pytest.mark.slow
 def test_solve_draws_its_scan_its_margin_and_its_boundary(rocking, tmp_path):
-    vary = ("solve", "configs/block.yaml", "--vary", "width=0.62:0.63:2")
+    vary = ("solve", "configs/block.yaml", "--vary", "width=0.6225:0.6235:2")
     call = (*vary, "--a-g", "0.4g", "--f-g", "1")
     assert rocking(*call, "-o", "s.svg").returncode == 0
     drawn = (tmp_path / "s.svg").read_text()
