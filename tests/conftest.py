@@ -2,6 +2,7 @@
 spectra file to read.
 """
 
+import gc
 import io
 import json
 import os
@@ -23,6 +24,17 @@ settings.register_profile(
     "the same everywhere", derandomize=True, database=None, deadline=None
 )
 settings.load_profile("the same everywhere")
+
+
+def pytest_collection() -> None:
+    """Collect tests without looking for garbage: all that is made stays."""
+    gc.disable()
+
+
+def pytest_collection_finish() -> None:
+    gc.freeze()
+    gc.enable()
+
 
 ROOT = Path(__file__).resolve().parent.parent
 # What the tests start keeps its compiled modules, as it does for a user; and so do the
@@ -124,6 +136,17 @@ def refused(rocking: Run, tmp_path: Path) -> Callable[..., str]:
         return done.stderr
 
     return run
+
+
+@pytest.fixture
+def undrawn(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Figures are planned and not drawn, for tests of the words around them."""
+
+    def saved(_: object, target: io.BytesIO, **__: object) -> None:
+        target.write(b"<?xml version='1.0'?><svg/>")
+
+    pytest.importorskip("matplotlib")
+    monkeypatch.setattr("matplotlib.figure.Figure.savefig", saved)
 
 
 @pytest.fixture(scope="session")

@@ -206,7 +206,7 @@ def test_check_and_response_find_the_outcome_of_the_spectrum(system, motion, who
         for other in (verdict.theta_ratio, summary["theta_ratio"]):
             assert other == pytest.approx(ratio, abs=TOLERANCE)
         (path,) = history.histories.values()
-        instants = np.append(np.linspace(0.0, path.end, 4001), path.steps())
+        instants = np.append(np.linspace(0.0, path.end, 401), path.steps())
         rotation = np.abs(path.at(instants)[0]).max()
         assert rotation == pytest.approx(ratio, abs=TOLERANCE)
 

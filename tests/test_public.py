@@ -304,6 +304,7 @@ def test_a_docstring_names_fields_and_arguments_of_methods(name):
                 documented(function)
 
 
+@pytest.mark.usefixtures("undrawn")
 @pytest.mark.parametrize("name", ["rocking_cli", *FUNCTIONS, *CLASSES])
 def test_the_examples_of_a_docstring_run(name, tmp_path, monkeypatch, pytestconfig):
     (tmp_path / "configs").symlink_to(pytestconfig.rootpath / "configs")

@@ -37,6 +37,8 @@ from rocking_cli import (
     trace_envelope,
 )
 
+# whose equation is quick: what stands here is computed whenever tests are collected
+STATED = "parameters:p=2.1,alpha=0.2,eta=0.8,lambda=0.2"
 DEMAND = "a_g=0.35g,f_g=1.5"
 VERDICT = rocking_cli.check("block:0.5x2", sine(), DEMAND)
 HISTORY = time_history("block:0.5x2", sine(), DEMAND)
@@ -55,7 +57,7 @@ RESULTS = {
     "drawn": drawn_verdict(
         "block:0.62+-0.01x2", sine(), "a_g=0.4g,f_g=1", n=16, a_max=None
     ),
-    "interval": trace_envelope("block:0.5x2", sine(), [3.0])[0],
+    "interval": trace_envelope(STATED, sine(), [3.0])[0],
     "point": closed_form_curves([3.0], 0.9)[0],
     "record's motion": read_motion("configs/motions/synthetic.at2"),
     "pulse": pulse("ricker-symmetric"),
@@ -158,9 +160,9 @@ def test_a_response_in_memory_goes_into_one_axes(axes):
         SPECTRUM,
         VERDICT,
         [VERDICT, VERDICT],
-        trace_envelope("block:0.5x2", sine(), [3.0, 4.0]),
+        trace_envelope(STATED, sine(), [3.0, 4.0]),
         closed_form_curves([3.0, 4.0], 0.9),
-        envelope("block:0.5x2", sine(), "f_g=1:1.5:2"),
+        envelope(STATED, sine(), "f_g=1:1.5:2"),
         load_records("configs/motions/synthetic.at2", scale=2.0),
     ],
     ids=lambda result: type(result).__name__,

@@ -215,6 +215,7 @@ def test_the_code_and_the_dynamics_share_a_floor(rocking):
     assert (refused.returncode, "state two floors" in refused.stderr) == (2, True)
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_a_report_has_the_sentence_on_a_slide(rocking, tmp_path):
     pytest.importorskip("jinja2")
     call = ("report", SLIDER, "--a-g", "0.4g", "--f-g", "1", "-o", "r.html")

@@ -110,6 +110,7 @@ FIRST = {"report": 1, "fragility": 2, "plot": 6, "check": 2, "solve": 1}
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("undrawn")
 @pytest.mark.parametrize(
     ("name", "count"),
     [

@@ -4,6 +4,8 @@ import sys
 
 import pytest
 
+from rocking_cli.reports.figures.canvas import STYLE
+
 
 def test_a_figure_in_characters_goes_to_standard_output(rocking, spectrum_file):
     assert "overturns" in rocking("plot", str(spectrum_file), "--text").stdout
@@ -88,7 +90,10 @@ def test_characters_that_the_font_has_not_are_told_in_a_sentence(rocking):
     ],
     ids=lambda call: call[0],
 )
-def test_a_command_draws_its_rows_as_plot_draws_their_csv(rocking, tmp_path, call):
+def test_a_command_draws_its_rows_as_plot_draws_their_csv(
+    rocking, tmp_path, monkeypatch, call
+):
+    monkeypatch.setitem(STYLE, "figure.constrained_layout.use", False)  # takes long
     assert rocking(*call, "-o", "own.svg").returncode == 0
     if call[0] == "records" and len(call) == 2:
         source = call[1]
@@ -126,7 +131,7 @@ def test_a_family_is_drawn_over_a_ratio_with_a_key_of_the_document(rocking, tmp_
 
 @pytest.mark.slow
 def test_solve_draws_its_scan_its_margin_and_its_boundary(rocking, tmp_path):
-    vary = ("solve", "configs/block.yaml", "--vary", "width=0.62:0.63:2")
+    vary = ("solve", "configs/block.yaml", "--vary", "width=0.6225:0.6235:2")
     call = (*vary, "--a-g", "0.4g", "--f-g", "1")
     assert rocking(*call, "-o", "s.svg").returncode == 0
     drawn = (tmp_path / "s.svg").read_text()

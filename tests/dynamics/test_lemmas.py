@@ -110,10 +110,10 @@ def test_lemma_1_under_a_subcritical_drive_a_fallen_body_stays_below(damping):
 @pytest.mark.slow
 @pytest.mark.parametrize("damping", [0.0, 0.05, 0.8])
 def test_lemma_2_under_a_supercritical_drive_there_is_one_minimum_at_most(damping):
-    y, v, _ = watched(damping, 900, 1.0, np.inf, 2)
+    y, v, _ = watched(damping, 500, 1.0, np.inf, 2)
     above = np.logical_and.accumulate(~(y <= 0.0))
     rises = np.logical_or.accumulate(above & (v > 0.0))
-    assert np.any(rises & above, axis=0).sum() > 60
+    assert np.any(rises & above, axis=0).sum() > 30
     assert not np.any(rises & above & (v < 0.0))
     outwards = v[0] > 0.0
     assert np.nanmin(np.where(outwards, y - y[0], np.inf)) > -1e-12
@@ -124,7 +124,7 @@ def test_lemma_2_under_a_supercritical_drive_there_is_one_minimum_at_most(dampin
 def test_lemma_3_a_drive_that_falls_and_then_rises_lets_the_body_turn_back_once(
     damping,
 ):
-    y, v, drive = watched(damping, 900, -np.inf, 1.0, 3)
+    y, v, drive = watched(damping, 500, -np.inf, 1.0, 3)
     change = np.sign(np.diff(drive, axis=0))
     rises_once = np.logical_or.accumulate(change > 0.0)
     usable = np.vstack(
@@ -134,7 +134,7 @@ def test_lemma_3_a_drive_that_falls_and_then_rises_lets_the_body_turn_back_once(
         ]
     )
     peaks = (v[:-1] > 0.0) & (v[1:] <= 0.0) & usable[1:] & (y[1:] > 0.0)
-    assert (peaks.sum(axis=0) == 1).sum() > 60
+    assert (peaks.sum(axis=0) == 1).sum() > 30
     assert peaks.sum(axis=0).max() == 1
 
 

@@ -94,9 +94,7 @@ def test_the_largest_speed_by_another_integration(model, body, damping):
     )  # jumps are cut where a speed may hide
     assert set(found.outcome) == {Outcome.ROCKED}
     np.testing.assert_allclose(speed, marched.speed.largest, rtol=1e-10)
-    for i in range(
-        4
-    ):  # two that are fastest in the air, two that are fastest at an impact
+    for i in range(2):  # one is fastest in the air, the other one at an impact
         assert speed[i] == pytest.approx(
             fastest(model, body, amplitude[i], omega[i], eta), rel=1e-5
         )
@@ -184,7 +182,7 @@ def test_a_vertical_record_shakes_those_whose_speed_is_kept_too(model):
     for a, found in zip(amplitude, speed, strict=True):
         _, rate = history(
             system, motion, float(a), float(omega[0]), BLOCK.eta, duration=60.0
-        ).at(np.linspace(0.0, 60.0, 600_001))
+        ).at(np.linspace(0.0, 60.0, 60_001))
         assert np.isnan(found) or np.nanmax(np.abs(rate)) == pytest.approx(
             found, rel=5e-3
         )

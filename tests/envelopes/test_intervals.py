@@ -55,7 +55,7 @@ def test_traced_intervals_are_those_of_the_reference_tables(structure, model, ro
 
 @pytest.mark.slow
 def test_every_interval_of_a_fine_raster_is_traced():
-    omega, amplitude = 0.4983, np.linspace(1, 1.2, 40_001)
+    omega, amplitude = 0.4983, np.linspace(1, 1.2, 20_001)
     outcome = linear_response(sine(), amplitude, omega, 0.9).outcome
     traced = trace_envelope(dimensionless_oscillator(0.9), sine(), [omega], a_max=1.2)
     inside = np.zeros(amplitude.size, dtype=bool)
@@ -64,7 +64,7 @@ def test_every_interval_of_a_fine_raster_is_traced():
     assert len(traced) > 3
     wrong = np.flatnonzero(inside != overturned(outcome))
     runs = np.split(wrong, np.flatnonzero(np.diff(wrong) > 1) + 1)
-    assert max((r.size for r in runs if r.size), default=0) * 5e-6 < 1e-3
+    assert max((r.size for r in runs if r.size), default=0) * 1e-5 < 1e-3
 
 
 def test_boundaries_are_where_the_outcome_changes():
@@ -129,7 +129,7 @@ WALL = built("kind: block\nwidth: 1.2\nheight: 8\none_sided: true")
 @pytest.mark.parametrize("structure", [UNEQUAL, WALL], ids=["unequal", "one side"])
 @pytest.mark.parametrize("model", ["linear", "nonlinear"])
 def test_the_worse_sign_lists_what_overturns_under_either(structure, model):
-    method, omega, top = Method(model), 4.0, 4.0
+    method, omega, top = Method(model), 4.0, 3.0
     plus, minus, worse = (
         trace_envelope(structure, sine(), [omega], method=method, a_max=top, sign=s)
         for s in ("+", "-", "worse")

@@ -69,12 +69,12 @@ def test_the_header_of_no_rows_tells_units_too():
     ]
 
 
-@pytest.mark.parametrize("column", COLUMNS)
 @pytest.mark.parametrize("text", [None, "g,Hz,deg,cm,cm/s", "gal,mrad,mm", "cm/s2"])
-def test_a_heading_is_read_back_as_what_was_meant(column, text):
+def test_a_heading_is_read_back_as_what_was_meant(text):
     units = parse_units(text) if text else Units()
-    heading, factor = units.heading(column)
-    assert si_of(heading) == (column, factor)
+    for column in COLUMNS:
+        heading, factor = units.heading(column)
+        assert si_of(heading) == (column, factor)
 
 
 def test_the_dimension_of_a_side_an_item_and_a_model_is_that_of_the_column():

@@ -38,7 +38,7 @@ def test_ends_of_intervals_by_another_method():
     rows are in all units the same.
     """
     scene = structures_scene([BLOCK], TWO)
-    found = list(tracing_rows(Tracing(scene, 5.0), workers=1))
+    found = list(tracing_rows(Tracing(scene, 3.5), workers=1))
     assert {row["record"] for row in found} == {"a", "b"}
     problem, omega = scene.method.problem_of(BLOCK), 1.0 / BLOCK.p
     for row in (*found[:2], *found[-2:]):
@@ -145,7 +145,7 @@ def test_the_command(rocking, refused, tmp_path):
         "--dt",
         "0.05",
         "--a-max",
-        "2",
+        "1.3",
     )
     done = rocking("envelope", "b.yaml", *call, "--first", "--json")
     one, other = done.records

@@ -64,11 +64,11 @@ loads: [{body: one, at: [0.25, 2], weight: 17.658 kN, inertia: vertical}]
 
 def test_a_body_of_a_mechanism_has_a_spread_too():
     (document,) = parse_documents(MECHANISM)
-    found = list(draws(document, 64))
+    found = list(draws(document, 16))
     assert all(set(draw.values) == {"bodies.one.density"} for draw in found)
     # The load of 1800 kg is not driven: lambda = (m + 1800)/m w/h, m = 1 m3 density.
     masses = np.array([draw.values["bodies.one.density"] for draw in found])
-    assert masses.std() == pytest.approx(50.0, rel=0.1)
+    assert masses.std() == pytest.approx(50.0, rel=0.2)
     uplifts = [draw.parameters.uplift for draw in found]
     assert uplifts == pytest.approx((1.0 + 1800.0 / masses) * 0.25, rel=1e-12)
 

@@ -18,6 +18,7 @@ from rocking_cli import (
     check,
     parse_documents,
     parse_grid,
+    pulse,
     sine,
     time_history,
 )
@@ -186,7 +187,7 @@ def test_a_load_without_weight_is_no_load(inertia):
     assert numbers(light)[0][:3] == pytest.approx(numbers(bare)[0][:3], rel=1e-12)
     assert light.eta == pytest.approx(bare.eta, rel=1e-12)
     shaking = parse_grid("a_g=0.34g,T_g=0.8")
-    one, other = (check(body, sine(), shaking) for body in (bare, light))
+    one, other = (check(body, pulse("rectangular"), shaking) for body in (bare, light))
     assert other.outcome == one.outcome
     assert other.uplift_a == pytest.approx(one.uplift_a, rel=1e-10)
     assert other.first_overturning_a == pytest.approx(
@@ -245,7 +246,7 @@ def test_other_kinds_take_loads():
 def test_friction_is_compared_with_the_forces_under_the_load():
     shaking = parse_grid("a_g=0.45g,T_g=0.5")
     load = ("vertical", "at: [0.1, 2.2]", "9.81 kN")
-    slides = check(loaded(*load, "friction: 0.2"), sine(), shaking, a_max=5.0)
+    slides = check(loaded(*load, "friction: 0.2"), sine(), shaking, a_max=None)
     assert slides.slides
     found = time_history(loaded(*load), sine(), shaking).forces["nonlinear"]
     assert slides.friction_needed == pytest.approx(

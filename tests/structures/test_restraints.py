@@ -267,7 +267,7 @@ def test_a_tie_below_the_interface_that_rocks_does_not_hold_the_pieces_above():
 
 @pytest.mark.slow
 def test_a_force_without_a_yield_is_told_over_that_at_rupture():
-    held = "kind: block\nwidth: 1\nheight: 5\nmass: 5 t\n"
+    held = "kind: block\nwidth: 1\nheight: 5\nmass: 5 t\nrestitution: 0.5\n"
     for text, rupture in (
         ("tendon: {stiffness: 1e6, prestress: 2e4, rupture: 6e4}", 6e4),
         ("ties: [{height: 4, stiffness: 1e6, ultimate: 0.1}]", 1e5),

@@ -14,7 +14,7 @@ from rocking_cli.motions import Harmonic, Motion, Piece
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("n", [10, pytest.param(200, marks=pytest.mark.soak)])
+@pytest.mark.parametrize("n", [6, pytest.param(200, marks=pytest.mark.soak)])
 @pytest.mark.parametrize(
     ("motion", "most"),
     [(sine(), 12), (cosine(1.5), 5)],
@@ -23,7 +23,7 @@ from rocking_cli.motions import Harmonic, Motion, Piece
 def test_random_cells_stay_within_five_tolerances(motion, most, n):
     random, tolerances = (
         np.random.default_rng(1),
-        (1e-4, 1e-6, 1e-8, 1e-9, 1e-10, 1e-11),
+        (1e-4, 1e-7, 1e-9, 1e-11),
     )
     draw = [
         random.uniform(a, b, 200)[:n]

@@ -78,7 +78,7 @@ def test_the_check_of_linear_sweeps_equals_fifty_digits():
         )
 
 
-@settings(max_examples=60)
+@settings(max_examples=30)
 @given(
     st.floats(0.5, 20),
     st.floats(0.2, 20),

@@ -138,7 +138,7 @@ def test_the_same_as_that_march_on_ground_that_moves_upwards_too(name):
     ids=lambda m: m.name,
 )
 def test_one_arch_at_a_time_is_the_march_under_a_pulse(motion):
-    against_the_march("an arch", motion, motion, 8, 8)
+    against_the_march("an arch", motion, motion, 4, 8)
 
 
 @pytest.mark.soak
@@ -163,7 +163,7 @@ def test_samples_that_change_nothing(model):
         SYSTEMS[MODELS[model]],
     )
     cell, motion = (
-        (*random_cells(8, 7), np.full(8, 0.8)),
+        (*random_cells(5, 7), np.full(5, 0.8)),
         motion_of_samples(samples, 0.04),
     )
     first = response(system, motion, *cell)

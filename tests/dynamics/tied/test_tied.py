@@ -323,7 +323,7 @@ def test_a_tie_without_force_is_the_free_body_to_the_bit():
         built(WALL),
         built(WALL + "ties: [{height: 5, stiffness: 0, yield: 5 kN}]"),
     )
-    grid = parse_grid("a_g=0.05g:1g:30,T_g=0.3:2:7")
+    grid = parse_grid("a_g=0.05g:1g:16,T_g=0.3:2:4")
     for method in (EXACT, LINEAR):
         one, other = (
             response(method.system_of(s), sine(), *np.meshgrid(*grid.scaled(s)), s.eta)
@@ -339,7 +339,7 @@ def test_a_tie_without_force_is_the_free_body_to_the_bit():
 
 @pytest.mark.slow
 def test_a_vanishing_tie_tends_to_the_free_body_which_is_marched_otherwise():
-    grid = parse_grid("a_g=0.05g:1g:30,T_g=0.3:2:7")
+    grid = parse_grid("a_g=0.05g:1g:16,T_g=0.3:2:4")
     for text in (
         WALL,
         WALL.replace("true", "false"),
@@ -360,7 +360,7 @@ def test_a_vanishing_tie_tends_to_the_free_body_which_is_marched_otherwise():
             )
             assert (
                 one.outcome == other.outcome
-            ).mean() > 0.995  # on a boundary the last digits decide
+            ).mean() > 0.98  # on a boundary the last digits decide
             same = (one.outcome == other.outcome) & np.isfinite(one.theta_ratio)
             apart = np.abs(one.theta_ratio - other.theta_ratio)[same]
             assert np.median(apart) < 1e-11

@@ -194,7 +194,9 @@ def lowest_fz(
 REPORTED = 1.3, 2.0, 500.0, 2e6, "right", -1.0, 1.06 * GRAVITY, 0.5
 
 
-@pytest.mark.parametrize("at", [None, 1, 9, 40])
+@pytest.mark.parametrize(
+    "at", [None, 9, *(pytest.param(at, marks=pytest.mark.soak) for at in (1, 40))]
+)
 def test_bounces_that_lose_the_ground_are_followed(at):
     """One step would take these bodies from an impact to rest, although the tie throws
     them off the ground on the way.

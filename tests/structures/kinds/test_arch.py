@@ -126,17 +126,17 @@ def test_scale_moves_only_p_and_the_mirror_image_moves_nothing():
 @pytest.mark.slow
 @pytest.mark.parametrize("ratio", [0.12, pytest.param(0.2, marks=pytest.mark.soak)])
 def test_family_over_the_papers_range_is_smooth(ratio):
-    """Fig. 6: beta 150-180 deg, t/r 0.12-0.20. Between neighbours 2 deg apart each
+    """Fig. 6: beta 150-180 deg, t/r 0.12-0.20. Between neighbours 3 deg apart each
     parameter moves by some percent of its range at the most; slopes may change where an
     end hinge leaves the springing, values do not jump.
     """
     family = [
         built(f"kind: arch\nradius: 10\nthickness: {10 * ratio}\nangle: {beta} deg")
-        for beta in range(150, 181, 2)
+        for beta in range(150, 181, 3)
     ]
     for name in ("p", "alpha", "uplift", "a_scale", "eta"):
         values = np.array([getattr(a, name) for a in family])
-        assert np.abs(np.diff(values)).max() < 0.24 * np.ptp(values), name
+        assert np.abs(np.diff(values)).max() < 0.3 * np.ptp(values), name
 
 
 @pytest.mark.slow

@@ -284,7 +284,7 @@ def test_forces_at_the_joints_in_a_pulse():
     for (side, hinge), (least, friction) in IN_PULSE.items():
         tau = np.concatenate(
             [
-                np.linspace(start, min(end, stop) * (1.0 - 1e-12), 801)
+                np.linspace(start, min(end, stop) * (1.0 - 1e-12), 401)
                 for start, end, way in zip(*arcs[:3], strict=True)
                 if way == side and start < stop
             ]
@@ -304,7 +304,7 @@ def test_forces_at_the_joints_in_a_pulse():
         " inertia: vertical}]"
     )
     pressed = time_history(loaded, sine(), parse_grid("a_g=12,T_g=0.4"))
-    column = pressed.forces["nonlinear"].columns(np.linspace(0.3, 4.0, 400))
+    column = pressed.forces["nonlinear"].columns(np.linspace(0.3, 4.0, 100))
     assert 0.0 < np.nanmin(column["load_min"]) < 1.0
     summary = forces.summary("t", 1.0 / wall.p)
     assert summary["opens"] is False

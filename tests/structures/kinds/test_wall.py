@@ -158,7 +158,7 @@ def test_the_shipped_document(pytestconfig):
     assert found.remarks == ()
 
 
-@settings(max_examples=5)
+@settings(max_examples=3)
 @given(
     st.floats(0.15, 0.4),
     st.floats(8.0, 14.0),

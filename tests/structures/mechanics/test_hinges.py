@@ -88,6 +88,7 @@ def test_minimum_is_not_above_any_admissible_mechanism(beta, thickness, seed):
     assert tried > 5
 
 
+@settings(max_examples=50)
 @given(st.floats(60, 270), st.floats(0.06, 0.9), st.integers(3, 40))
 @example(149.336, 0.95, 30)  # whose joints open over their whole depth
 def test_forces_of_the_joints_and_line_of_thrust_agree(angle, thickness, voussoirs):
@@ -99,7 +100,7 @@ def test_forces_of_the_joints_and_line_of_thrust_agree(angle, thickness, voussoi
 
 
 @pytest.mark.slow
-@settings(max_examples=20)
+@settings(max_examples=10)
 @given(st.floats(60, 270), st.floats(0.06, 0.9), st.integers(3, 40))
 def test_a_thrust_through_the_hinges_that_stays_inside_is_the_largest_there_is(
     angle, thickness, voussoirs
