@@ -1,0 +1,307 @@
+"""Whole straight lines of a record along which nothing happens to tied bodies: the
+march takes such lines without a search for events, many bodies as arrays, one body on
+floats. The recurrence (`equations.recurrence`, with the moment of the devices of
+`series`) and the proof are the same code for both.
+
+Over a line of duration h the motion has the terms c_n of y, in powers of the time over
+h. With a_j = sum n (n - 1) ... (n - j + 1) |c_n|,
+
+    h |y'| <= a_1,    h^2 |y''| <= a_2,    |y - its chord| <= a_2/8,
+    |h y' - its chord| <= a_3/8
+
+since a function leaves the chord between its ends by at most an eighth of its largest
+second derivative. A line is clear if these bounds prove that y stays between the ends
+of the branch of the restraints and that no peak changes a result, if the largest speed
+and acceleration leave Fz > 0 (as in `contact_watch`), and if the last terms show that
+the series holds. Any other line goes through a round of the march.
+"""
+
+from __future__ import annotations
+
+from bisect import bisect_left
+from operator import mul
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ...motions.segments import Segments
+from ..body import Body
+from ..equations.equation import Equation
+from ..equations.recurrence import Rows, motion_terms
+from ..equations.taylor import (
+    MOST_TERMS,
+    WITHIN,
+    TaylorSeries,
+    degrees,
+    factors_for,
+    last_terms,
+    size_limits,
+)
+from ..lanes import Array
+from .devices import BROKEN, Devices
+from .series import HeldBody, growth
+from .tied_lanes import OnBranch, Recorder, TiedLanes
+
+LEAST_LINES = 100  # under fewer lines every line goes through a round
+_LONGEST = 0.5  # duration of a line that is tried, at most [tau]
+_TOGETHER = 8  # lines that many bodies take before the next round
+_SHARE = 0.5  # of the bodies: if fewer go on, a round comes first
+# factor of the size that gives the degree of a series: one term more at most, without
+# which a third of the lines of stiff ties would not hold
+_ROOM = 64.0
+# n (n - 1) ... (n - j + 1) for j = 0 ... 3, (j, terms)
+_FACTORS = np.array(
+    [
+        [np.prod(n - np.arange(float(j))) for n in range(MOST_TERMS + 1)]
+        for j in range(4)
+    ]
+)
+_BY_TERM = [row.tolist() for row in _FACTORS]
+# 1/((n + 1)(n + 2)), by which term n + 2 of y follows from term n of y''
+_RECIPROCALS = [1.0 / ((n + 1) * (n + 2)) for n in range(MOST_TERMS)]
+
+
+class Limits(NamedTuple):
+    """Limits within which nothing happens to lanes, (lanes,) each, or floats."""
+
+    low: Any  # y at the lower end of the branch
+    high: Any  # y at its upper end
+    # y up to which no peak is the largest of the body or of a restraint; negative if
+    # every peak is an event
+    known: Any
+    top: Any  # y beyond which the march asks whether the body overturns
+    unit: Any  # rotation of y = 1 [rad]
+    alpha: Any  # critical angle [rad]
+    kappa: Any  # m R^2/I times the unit [rad]; 0 for lanes whose contact is not watched
+
+
+class LineEnd(NamedTuple):
+    """The end of a line, and the sums a_j over it, (lanes,) each, or floats."""
+
+    y: Any  # displacement at the end
+    first: Any  # h y' at the end
+    speed: Any  # a_1
+    acceleration: Any  # a_2
+    jerk: Any  # a_3
+
+    @classmethod
+    def of(cls, terms: Any) -> LineEnd:
+        """Return the end of a line with these terms, a list of floats or (terms,
+        lanes).
+        """
+        if type(terms) is list:
+            sizes = list(map(abs, terms))
+            return cls(
+                sum(terms),
+                sum(map(mul, _BY_TERM[1], terms)),
+                *(sum(map(mul, factors, sizes)) for factors in _BY_TERM[1:]),
+            )
+        # NumPy sums a single lane in another order.
+        lanes = terms.shape[1]
+        rows = np.repeat(terms, 2, axis=1) if lanes == 1 else terms
+        factors = _FACTORS[:, : len(rows)]
+        ends = np.einsum("jn,nl->jl", factors[:2], rows)[:, :lanes]
+        sums = np.einsum("jn,nl->jl", factors[1:], np.abs(rows))[:, :lanes]
+        return cls(*ends, *sums)
+
+
+def is_clear(limits: Limits, y: Any, first: Any, end: LineEnd, h: Any) -> Any:
+    """True where nothing happens on a line of duration h [tau] that begins at y with h
+    y' = `first`; floats or arrays, (lanes,).
+    """
+    bend, turn = 0.125 * end.acceleration, 0.125 * end.jerk
+    lowest, highest = (y - bend, end.y - bend), (y + bend, end.y + bend)
+
+    # y stays on the branch, near its chord; or it leaves an end of the branch and does
+    # not turn back.
+    above = ((lowest[0] > limits.low) & (lowest[1] > limits.low)) | (
+        (y >= limits.low) & (first > 0.5 * end.acceleration)
+    )
+    below = ((highest[0] < limits.high) & (highest[1] < limits.high)) | (
+        (y <= limits.high) & (first < -0.5 * end.acceleration)
+    )
+
+    # y' keeps its sign, or its peaks are below those that are known.
+    no_peak = (
+        ((first > turn) & (end.first > turn))
+        | ((first < -turn) & (end.first < -turn))
+        | ((highest[0] < limits.known) & (highest[1] < limits.known))
+    )
+
+    # Fz > 0, where |z| is at most alpha or theta - alpha.
+    over = 1.0 / (h * h)
+    centripetal = limits.unit * end.speed * end.speed * over
+    pressed = True
+    for lean in (limits.alpha, *(limits.unit * x - limits.alpha for x in highest)):
+        downwards = lean * end.acceleration * over + centripetal
+        pressed = pressed & (limits.kappa * downwards < 1.0)
+
+    goes_on = (end.y <= limits.top) | (end.first <= 0.0)
+    return above & below & no_peak & pressed & goes_on
+
+
+class WholeLines:
+    """Takes tied bodies over the lines of a record."""
+
+    def __init__(
+        self,
+        equation: Equation,
+        devices: Devices,
+        segments: Segments,
+        shaken: int,
+        recorder: Recorder | None,
+    ) -> None:
+        # shaken: number of lines of the record
+        self.equation, self.devices, self.shaken = equation, devices, shaken
+        self.segments, self.recorder = segments, recorder
+        self.watched: Body | None = devices.body  # body whose contact is watched
+        self.rise = segments.s_end - segments.s_start  # of s over each line [-]
+        # largest size of the last terms, over the duration of a line
+        self.least = WITHIN * equation.tolerance
+        # start and rise of s [-] and length [rad] of each line, for one body
+        self.lists = tuple(
+            x.tolist() for x in (segments.s_start, self.rise, segments.length)
+        )
+        # `_held_one` by side and state of the devices
+        self._held: dict[tuple[float, ...], tuple[HeldBody, float, float, float]] = {}
+
+    def follow(self, lanes: TiedLanes, branch: OnBranch, top: Array) -> Array:
+        """Move lanes over lines that are clear; True for lanes that may go on so.
+
+        branch: of the restraints; top: as of `Limits`, (lanes,).
+        """
+        seg, omega = self.segments, lanes.omega
+        held = HeldBody.of(
+            self.equation.on(lanes.side), self.devices, branch.row, branch.now
+        )
+        limits = self._limits(lanes, branch, top)
+        constant, stiffness = self.devices.linear_terms(branch.row, branch.now)
+        rate = growth(stiffness)
+        outward, column = -lanes.side * lanes.amplitude, np.arange(omega.size)
+        y, v, k, u = lanes.y, lanes.v, lanes.segment, lanes.phase
+        go = (k < self.shaken) & (seg.length.take(k) - u <= _LONGEST * omega)
+        for _ in range(_TOGETHER):
+            if np.count_nonzero(go) <= _SHARE * go.size:
+                break
+            # The drive from here to the end of the line, and its series.
+            length = seg.length.take(k)
+            h = np.minimum((length - u) / omega, _LONGEST)
+            gain, share = outward * self.rise.take(k), u / length
+            drive = outward * seg.s_start.take(k) + gain * share
+            gain = gain - gain * share
+            size = 2.0 + np.abs(drive) + np.abs(gain) / h
+            size += rate * np.abs(v) + constant + stiffness * y
+            size *= _ROOM
+            degree = degrees(size, h, self.equation.tolerance, rate)
+            terms = motion_terms(
+                held, y, v, h, factors_for(h, degree), Rows.of(drive, gain)
+            )
+            last = last_terms(terms, degree * go.size + column, h)
+
+            # Lanes on clear lines go to the next line.
+            end = LineEnd.of(terms)
+            go &= (last <= self.least * h) & is_clear(limits, y, terms[1], end, h)
+            y, v = np.where(go, end.y, y), np.where(go, end.first / h, v)
+            k, u = k + go, np.where(go, 0.0, u)
+            go &= (k < self.shaken) & (seg.length.take(k) <= _LONGEST * omega)
+        lanes.steps += k - lanes.segment
+        lanes.exact &= k == lanes.segment
+        lanes.y, lanes.v, lanes.segment, lanes.phase = y, v, k, u
+        return go
+
+    def follow_one(
+        self, lanes: TiedLanes, branch: OnBranch, top: Array
+    ) -> TaylorSeries | None:
+        """`follow` for a single lane, on floats, until a line is not clear; returns the
+        series on that line if it is known.
+        """
+        start, rise, lengths = self.lists
+        side, omega = float(lanes.side[0]), float(lanes.omega[0])
+        held, constant, stiffness, rate = self._held_one(lanes, branch)
+        limits = Limits(
+            *(float(x[0]) for x in self._limits(lanes, branch, top)),
+        )
+        outward, k = -side * float(lanes.amplitude[0]), int(lanes.segment[0])
+        y, v, u = float(lanes.y[0]), float(lanes.v[0]), float(lanes.phase[0])
+        sizes, factors, duration, degree = [0.0], [0.0], 0.0, 0
+        while k < self.shaken:
+            h, drive, gain = lengths[k] / omega, outward * start[k], outward * rise[k]
+            if u:
+                share = u / lengths[k]
+                h, drive, gain = (
+                    h - h * share,
+                    drive + gain * share,
+                    gain - gain * share,
+                )
+            if h > _LONGEST:
+                return None
+
+            # The degree of the series, and its factors if they change.
+            if h != duration:
+                sizes = size_limits(h, self.equation.tolerance, rate)
+            size = 2.0 + abs(drive) + abs(gain) / h
+            size += rate * abs(v) + constant + stiffness * y
+            size *= _ROOM
+            most = 3 + bisect_left(sizes, size)
+            if h != duration or most != degree:
+                factors = [h * h * c for c in _RECIPROCALS[: most - 1]]
+                duration, degree = h, most
+            terms = motion_terms(held, y, v, h, factors, [drive, gain])
+
+            end, last = LineEnd.of(terms), abs(terms[-1]) + 0.25 * h * abs(terms[-2])
+            holds = last <= self.least * h
+            if not (holds and is_clear(limits, y, terms[1], end, h)):
+                return _series(terms, h, rate, held.damping) if holds else None
+            if self.recorder is not None:
+                arc = _series(terms, h, rate, held.damping)
+                self.recorder.keep(lanes, arc, h, branch.now)
+            y, v, k, u = end.y, end.first / h, k + 1, 0.0
+            lanes.y[0], lanes.v[0], lanes.segment[0], lanes.phase[0] = y, v, k, u
+            lanes.steps += 1
+            lanes.exact[0] = False
+        return None
+
+    def _limits(self, lanes: TiedLanes, branch: OnBranch, top: Array) -> Limits:
+        """The limits of lanes on a branch; top: as of `Limits`."""
+        row, now, ones = branch.row, branch.now, np.ones(lanes.y.size)
+        unit, alpha, kappa = ones, ones, 0.0 * ones
+        if self.watched is not None:
+            edge = self.watched.on(lanes.side)
+            unit, alpha = edge.unit * ones, edge.alpha * ones
+            kappa = np.where(lanes.lost, 0.0, edge.kappa * unit)
+        # A broken restraint is not stretched any more.
+        farthest = lanes.farthest[row, :, np.arange(row.size)].T
+        broken = lanes.branch[row, :, np.arange(row.size)].T == BROKEN
+        stretched = np.where(broken, np.inf, self.devices.level(row, farthest))
+        known = np.minimum(lanes.peak, stretched.min(axis=0))
+        events = now.yields | (self.recorder is not None)
+        return Limits(
+            branch.low,
+            branch.high,
+            np.where(events, -1.0, known),
+            top,
+            unit,
+            alpha,
+            kappa,
+        )
+
+    def _held_one(self, lanes: TiedLanes, branch: OnBranch) -> tuple[HeldBody, float]:
+        """(equation of the first lane on floats, its growth rate [1/tau])."""
+        row, now, side = branch.row, branch.now, float(lanes.side[0])
+        key = (side, *now.fixed[:, 0].tolist(), *now.rate[:, 0].tolist())
+        if key not in self._held:
+            held = HeldBody.of(self.equation.on(lanes.side), self.devices, row, now)
+            constant, stiffness = self.devices.linear_terms(row, now)
+            self._held[key] = (
+                held.of_first(self.equation.edge(side)),
+                float(constant[0]),
+                float(stiffness[0]),
+                float(growth(stiffness)[0]),
+            )
+        return self._held[key]
+
+
+def _series(terms: list[float], h: float, rate: float, damping: float) -> TaylorSeries:
+    """Terms over a line of duration h as the series of one lane."""
+    unit = np.array([h])
+    return TaylorSeries(np.array(terms)[:, None], unit, unit, np.array([rate]), damping)
