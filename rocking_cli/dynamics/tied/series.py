@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import Any, NamedTuple, Self, TypeVar
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 
@@ -26,7 +26,7 @@ from ..equations.rigid_body import RigidBodyEquation
 from ..equations.taylor import TaylorSeries
 from ..lanes import Array, Lanes
 from ..march.roots import bernstein_form, impact_root, sense
-from .devices import Branch, Devices
+from .devices import Branch, Devices, Pull
 
 NewSeries = Callable[[], Series]  # returns an empty series
 
@@ -59,7 +59,7 @@ class Law:
 
     def force(self, row: Array, now: Branch, side: Array, y: Array, a: Array) -> Array:
         """y'' under the outward drive a, without damping, (lanes,)."""
-        return self.equation.on(side).force(y, a) - self.devices.pulled(row, now, y)
+        return self.equation.on(side).force(y, a) - self.devices.pull_on(row, now).at(y)
 
     def flow(
         self, segments: Segments, lanes: Lanes, row: Array, now: Branch, exact: Array
@@ -121,23 +121,24 @@ class CircularMoment(NamedTuple):
 
     It is a sum of cos theta, sin theta, cos 2 theta, sin 2 theta, cos(theta/2): those
     of theta follow from l and m of the free body, the second harmonics are rho cos(2
-    theta - 2 phi) = rho (2 u^2 - 1) with u = cos(theta - phi).
+    theta - 2 phi) = rho (2 u^2 - 1) with u = cos(theta - phi). Under stiff devices
+    this is a difference of large numbers: its term 0 is the pull itself.
     """
 
+    pull: Pull  # of the devices
     by_free: Any  # coefficient of l
     by_push: Any  # coefficient of m
     rho: Any  # size of the second harmonics
     u_by_free: Any  # u = u_by_free l + u_by_push m
     u_by_push: Any
-    half: (
-        tuple[Any, Any, Any] | None
-    )  # sin(alpha), coefficients of cos and sin(theta/2)
+    # sin(alpha), coefficients of cos(theta/2) and sin(theta/2); None without a tendon
+    half: tuple[Any, Any, Any] | None
 
     @classmethod
-    def of(cls, equation: Equation, of_circle: Array) -> Self:
-        """Return the moment of the coefficients `Devices.circular_terms`."""
+    def of(cls, equation: Equation, devices: Devices, row: Array, now: Branch) -> Self:
+        """Return the moment of devices on these branches."""
         assert isinstance(equation, RigidBodyEquation)
-        of_cos, of_sin, of_cos2, of_sin2, *of_half = -of_circle
+        of_cos, of_sin, of_cos2, of_sin2, *of_half = -devices.circular_terms(row, now)
         sin, cos = equation.sin, equation.cos
         rho, phi = np.hypot(of_cos2, of_sin2), 0.5 * np.arctan2(of_sin2, of_cos2)
 
@@ -150,6 +151,7 @@ class CircularMoment(NamedTuple):
             )
 
         return cls(
+            devices.pull_on(row, now),
             *by_free_and_push(of_cos, of_sin),
             rho,
             *by_free_and_push(np.cos(phi), np.sin(phi)),
@@ -161,18 +163,20 @@ class CircularMoment(NamedTuple):
     ) -> Callable[[int], Any]:
         """As `LinearMoment.along`."""
         assert push is not None
-        by_free, by_push, rho, u_by_free, u_by_push, _ = self
-        stretched, turned = bool(np.any(rho)), new()
+        _, by_free, by_push, rho, u_by_free, u_by_push, _ = self
+        stretched, turned, twice = bool(np.any(rho)), new(), 2.0 * rho
         half = None if self.half is None else self._half_angle(y, new)
 
         def pulled(n: int) -> Any:
-            own = by_free * free[n] + by_push * push[n]
             if stretched:
                 turned.append(u_by_free * free[n] + u_by_push * push[n])
-                square = product_term(turned, turned)
-                own = own + 2.0 * rho * square - (0.0 if n else rho)
+            by_cos, by_sin = (0.0, 0.0) if half is None else half(n)
+            if not n:
+                return self.pull.at(y[0])
+            own = by_free * free[n] + by_push * push[n]
+            if stretched:
+                own = own + twice * product_term(turned, turned)
             if half is not None:
-                by_cos, by_sin = half(n)
                 own = own + by_cos + by_sin
             return own
 
@@ -223,20 +227,18 @@ class HeldBody:
         """
         if devices.linear:
             return cls(equation, LinearMoment(*devices.linear_terms(row, now)))
-        terms = devices.circular_terms(row, now)
-        return cls(equation, CircularMoment.of(equation, terms))
+        return cls(equation, CircularMoment.of(equation, devices, row, now))
 
     def part(self, lanes: slice) -> HeldBody:
         """Return the equation of some of the lanes."""
-        return HeldBody(
-            self.equation.part(lanes), _each(self.moment, lambda x: x[lanes])
-        )
+        moment = changed(self.moment, lambda x: x[lanes])
+        return HeldBody(self.equation.part(lanes), moment)
 
     def of_first(self, equation: Equation) -> HeldBody:
         """Return the equation of the first lane on floats; equation: that of its free
         body on floats.
         """
-        return HeldBody(equation, _each(self.moment, lambda x: float(x[0])))
+        return HeldBody(equation, changed(self.moment, lambda x: float(x[0])))
 
     def along(
         self, y: Series, new: NewSeries
@@ -254,17 +256,14 @@ class HeldBody:
         return lift, push, extend_held
 
 
-Moment = TypeVar("Moment", LinearMoment, CircularMoment)
-
-
-def _each(moment: Moment, change: Callable[[Array], Any]) -> Moment:
-    """Return a moment with each of its numbers changed."""
-    return type(moment)(
-        *(
-            x if x is None else tuple(map(change, x)) if type(x) is tuple else change(x)
-            for x in moment
-        )
-    )
+def changed(numbers: Any, change: Callable[[Array], Any]) -> Any:
+    """Return numbers, a tuple of tuples, with each array in them changed."""
+    if isinstance(numbers, np.ndarray):
+        return change(numbers)
+    if not isinstance(numbers, tuple):
+        return numbers
+    parts = [changed(x, change) for x in numbers]
+    return type(numbers)(*parts) if hasattr(numbers, "_fields") else tuple(parts)
 
 
 def one_turn(arc: TaylorSeries, left: Array) -> Step:
