@@ -19,6 +19,7 @@ the series holds. Any other line goes through a round of the march.
 from __future__ import annotations
 
 from bisect import bisect_left
+from collections.abc import Sequence
 from operator import mul
 from typing import Any, NamedTuple
 
@@ -39,13 +40,13 @@ from ..equations.taylor import (
 )
 from ..lanes import Array
 from .devices import BROKEN, Devices
-from .series import HeldBody, growth
+from .series import HeldBody, changed, growth
 from .tied_lanes import OnBranch, Recorder, TiedLanes
 
 LEAST_LINES = 100  # under fewer lines every line goes through a round
 _LONGEST = 0.5  # duration of a line that is tried, at most [tau]
-_TOGETHER = 8  # lines that many bodies take before the next round
-_SHARE = 0.5  # of the bodies: if fewer go on, a round comes first
+_TOGETHER = 12  # lines that many bodies take before the next round
+_SHARE = 0.4  # of the bodies: if fewer go on, a round comes first
 # factor of the size that gives the degree of a series: one term more at most, without
 # which a third of the lines of stiff ties would not hold
 _ROOM = 64.0
@@ -73,6 +74,36 @@ class Limits(NamedTuple):
     unit: Any  # rotation of y = 1 [rad]
     alpha: Any  # critical angle [rad]
     kappa: Any  # m R^2/I times the unit [rad]; 0 for lanes whose contact is not watched
+
+
+class Course(NamedTuple):
+    """What does not change for lanes that go over lines, (lanes,) each, or floats."""
+
+    held: HeldBody  # the equation
+    limits: Any  # `Limits`, None as long as they are not set
+    omega: Any  # Omega of the side [-]
+    outward: Any  # outward drive of s = 1 [-]
+    constant: Any  # of the devices, as of `Devices.linear_terms`
+    stiffness: Any
+    rate: Any  # growth rate of the motion [1/tau]
+
+    def left_of(self, lines: Sequence[Any], k: Any, u: Any) -> tuple[Any, Any, Any]:
+        """(duration [tau], drive at the start, its increase) of what is left of line k
+        from phase u on; lines: start and rise of s, length [rad] of each line, as lists
+        or arrays.
+        """
+        start, rise, length = (x[k] for x in lines)
+        share, gain = u / length, self.outward * rise
+        drive = self.outward * start + gain * share
+        return (length - u) / self.omega, drive, gain - gain * share
+
+    def size(self, y: Any, v: Any, line: tuple[Any, Any, Any]) -> Any:
+        """The size of the motion that gives the degree of its series (`degrees`)."""
+        h, drive, gain = line
+        shaking = 2.0 + abs(drive) + abs(gain) / h
+        return _ROOM * (
+            shaking + self.rate * abs(v) + self.constant + self.stiffness * y
+        )
 
 
 class LineEnd(NamedTuple):
@@ -153,57 +184,54 @@ class WholeLines:
     ) -> None:
         # shaken: number of lines of the record
         self.equation, self.devices, self.shaken = equation, devices, shaken
-        self.segments, self.recorder = segments, recorder
+        self.recorder = recorder
         self.watched: Body | None = devices.body  # body whose contact is watched
-        self.rise = segments.s_end - segments.s_start  # of s over each line [-]
         # largest size of the last terms, over the duration of a line
         self.least = WITHIN * equation.tolerance
-        # start and rise of s [-] and length [rad] of each line, for one body
-        self.lists = tuple(
-            x.tolist() for x in (segments.s_start, self.rise, segments.length)
+        # start and rise of s [-] and length [rad] of each line, also for one body
+        self.lines = (
+            segments.s_start,
+            segments.s_end - segments.s_start,
+            segments.length,
         )
-        # `_held_one` by side and state of the devices
-        self._held: dict[tuple[float, ...], tuple[HeldBody, float, float, float]] = {}
+        self.lists = [x.tolist() for x in self.lines]
+        # course of one body, without its limits, by side and state of the devices
+        self._courses: dict[tuple[float, ...], tuple[Course, _Factors]] = {}
 
     def follow(self, lanes: TiedLanes, branch: OnBranch, top: Array) -> Array:
         """Move lanes over lines that are clear; True for lanes that may go on so.
 
         branch: of the restraints; top: as of `Limits`, (lanes,).
         """
-        seg, omega = self.segments, lanes.omega
-        held = HeldBody.of(
-            self.equation.on(lanes.side), self.devices, branch.row, branch.now
+        course = self._course(lanes, branch)._replace(
+            limits=self._limits(lanes, branch, top)
         )
-        limits = self._limits(lanes, branch, top)
-        constant, stiffness = self.devices.linear_terms(branch.row, branch.now)
-        rate = growth(stiffness)
-        outward, column = -lanes.side * lanes.amplitude, np.arange(omega.size)
         y, v, k, u = lanes.y, lanes.v, lanes.segment, lanes.phase
-        go = (k < self.shaken) & (seg.length.take(k) - u <= _LONGEST * omega)
+        go = self._short(lanes, k, u)
+        # The degree of the first line serves all: the last terms show if it is enough.
+        _, *line = course.left_of(self.lines, k, u)
+        whole = np.minimum(self.lines[2][k] / lanes.omega, _LONGEST)
+        degree = degrees(
+            course.size(y, v, (whole, *line)),
+            whole,
+            self.equation.tolerance,
+            course.rate,
+        )
+        factors = factors_for(np.ones(go.size), degree)
+        last = degree * go.size + np.arange(go.size)
         for _ in range(_TOGETHER):
             if np.count_nonzero(go) <= _SHARE * go.size:
                 break
-            # The drive from here to the end of the line, and its series.
-            length = seg.length.take(k)
-            h = np.minimum((length - u) / omega, _LONGEST)
-            gain, share = outward * self.rise.take(k), u / length
-            drive = outward * seg.s_start.take(k) + gain * share
-            gain = gain - gain * share
-            size = 2.0 + np.abs(drive) + np.abs(gain) / h
-            size += rate * np.abs(v) + constant + stiffness * y
-            size *= _ROOM
-            degree = degrees(size, h, self.equation.tolerance, rate)
-            terms = motion_terms(
-                held, y, v, h, factors_for(h, degree), Rows.of(drive, gain)
-            )
-            last = last_terms(terms, degree * go.size + column, h)
-
+            h, *line = course.left_of(self.lines, k, u)
+            h = np.minimum(h, _LONGEST)
+            terms = motion_terms(course.held, y, v, h, h * h * factors, Rows.of(*line))
             # Lanes on clear lines go to the next line.
             end = LineEnd.of(terms)
-            go &= (last <= self.least * h) & is_clear(limits, y, terms[1], end, h)
+            go &= last_terms(terms, last, h) <= self.least * h
+            go &= is_clear(course.limits, y, terms[1], end, h)
             y, v = np.where(go, end.y, y), np.where(go, end.first / h, v)
             k, u = k + go, np.where(go, 0.0, u)
-            go &= (k < self.shaken) & (seg.length.take(k) <= _LONGEST * omega)
+            go &= self._short(lanes, k, u)
         lanes.steps += k - lanes.segment
         lanes.exact &= k == lanes.segment
         lanes.y, lanes.v, lanes.segment, lanes.phase = y, v, k, u
@@ -213,53 +241,74 @@ class WholeLines:
         self, lanes: TiedLanes, branch: OnBranch, top: Array
     ) -> TaylorSeries | None:
         """`follow` for a single lane, on floats, until a line is not clear; returns the
-        series on that line if it is known.
+        series on that line if it holds.
         """
-        start, rise, lengths = self.lists
-        side, omega = float(lanes.side[0]), float(lanes.omega[0])
-        held, constant, stiffness, rate = self._held_one(lanes, branch)
-        limits = Limits(
-            *(float(x[0]) for x in self._limits(lanes, branch, top)),
+        course, factors = self._course_of_one(lanes, branch)
+        limits = Limits(*(float(x[0]) for x in self._limits(lanes, branch, top)))
+        course = course._replace(
+            omega=lanes.omega.item(),
+            outward=-lanes.side.item() * lanes.amplitude.item(),
         )
-        outward, k = -side * float(lanes.amplitude[0]), int(lanes.segment[0])
-        y, v, u = float(lanes.y[0]), float(lanes.v[0]), float(lanes.phase[0])
-        sizes, factors, duration, degree = [0.0], [0.0], 0.0, 0
+        y, v = lanes.y.item(), lanes.v.item()
+        k, u = lanes.segment.item(), lanes.phase.item()
         while k < self.shaken:
-            h, drive, gain = lengths[k] / omega, outward * start[k], outward * rise[k]
-            if u:
-                share = u / lengths[k]
-                h, drive, gain = (
-                    h - h * share,
-                    drive + gain * share,
-                    gain - gain * share,
-                )
+            line = course.left_of(self.lists, k, u)
+            h, *drive = line
             if h > _LONGEST:
-                return None
-
-            # The degree of the series, and its factors if they change.
-            if h != duration:
-                sizes = size_limits(h, self.equation.tolerance, rate)
-            size = 2.0 + abs(drive) + abs(gain) / h
-            size += rate * abs(v) + constant + stiffness * y
-            size *= _ROOM
-            most = 3 + bisect_left(sizes, size)
-            if h != duration or most != degree:
-                factors = [h * h * c for c in _RECIPROCALS[: most - 1]]
-                duration, degree = h, most
-            terms = motion_terms(held, y, v, h, factors, [drive, gain])
-
-            end, last = LineEnd.of(terms), abs(terms[-1]) + 0.25 * h * abs(terms[-2])
-            holds = last <= self.least * h
-            if not (holds and is_clear(limits, y, terms[1], end, h)):
-                return _series(terms, h, rate, held.damping) if holds else None
-            if self.recorder is not None:
-                arc = _series(terms, h, rate, held.damping)
+                break
+            terms = motion_terms(
+                course.held, y, v, h, factors.over(h, course.size(y, v, line)), drive
+            )
+            if abs(terms[-1]) + 0.25 * h * abs(terms[-2]) > self.least * h:
+                break
+            end = LineEnd.of(terms)
+            clear = is_clear(limits, y, terms[1], end, h)
+            if not clear or self.recorder is not None:
+                unit, rate = np.array([h]), np.array([course.rate])
+                arc = TaylorSeries(
+                    np.array(terms)[:, None], unit, unit, rate, course.held.damping
+                )
+                if not clear:
+                    return arc
                 self.recorder.keep(lanes, arc, h, branch.now)
             y, v, k, u = end.y, end.first / h, k + 1, 0.0
             lanes.y[0], lanes.v[0], lanes.segment[0], lanes.phase[0] = y, v, k, u
             lanes.steps += 1
             lanes.exact[0] = False
         return None
+
+    def _short(self, lanes: TiedLanes, k: Array, u: Array) -> Array:
+        """True for lanes on a line of the record that is short from phase u on."""
+        left = self.lines[2][k] - u
+        return (k < self.shaken) & (left <= _LONGEST * lanes.omega)
+
+    def _course(self, lanes: TiedLanes, branch: OnBranch) -> Course:
+        """The course of lanes on a branch, with `limits` still to be set."""
+        equation, devices = self.equation.on(lanes.side), self.devices
+        constant, stiffness = devices.linear_terms(branch.row, branch.now)
+        return Course(
+            HeldBody.of(equation, devices, branch.row, branch.now),
+            None,
+            lanes.omega,
+            -lanes.side * lanes.amplitude,
+            constant,
+            stiffness,
+            growth(stiffness),
+        )
+
+    def _course_of_one(
+        self, lanes: TiedLanes, branch: OnBranch
+    ) -> tuple[Course, _Factors]:
+        """(course of a single lane on floats, factors of its series)."""
+        now, side = branch.now, lanes.side.item()
+        key = (side, *now.fixed[:, 0].tolist(), *now.rate[:, 0].tolist())
+        if key not in self._courses:
+            course = self._course(lanes, branch)
+            held = course.held.of_first(self.equation.edge(side))
+            one = Course(held, *changed(course[1:], lambda x: x.item()))
+            factors = _Factors(self.equation.tolerance, one.rate)
+            self._courses[key] = one, factors
+        return self._courses[key]
 
     def _limits(self, lanes: TiedLanes, branch: OnBranch, top: Array) -> Limits:
         """The limits of lanes on a branch; top: as of `Limits`."""
@@ -285,23 +334,20 @@ class WholeLines:
             kappa,
         )
 
-    def _held_one(self, lanes: TiedLanes, branch: OnBranch) -> tuple[HeldBody, float]:
-        """(equation of the first lane on floats, its growth rate [1/tau])."""
-        row, now, side = branch.row, branch.now, float(lanes.side[0])
-        key = (side, *now.fixed[:, 0].tolist(), *now.rate[:, 0].tolist())
-        if key not in self._held:
-            held = HeldBody.of(self.equation.on(lanes.side), self.devices, row, now)
-            constant, stiffness = self.devices.linear_terms(row, now)
-            self._held[key] = (
-                held.of_first(self.equation.edge(side)),
-                float(constant[0]),
-                float(stiffness[0]),
-                float(growth(stiffness)[0]),
-            )
-        return self._held[key]
 
+class _Factors:
+    """The factors of the series of one body on floats (`motion_terms`)."""
 
-def _series(terms: list[float], h: float, rate: float, damping: float) -> TaylorSeries:
-    """Terms over a line of duration h as the series of one lane."""
-    unit = np.array([h])
-    return TaylorSeries(np.array(terms)[:, None], unit, unit, np.array([rate]), damping)
+    def __init__(self, tolerance: float, rate: float) -> None:
+        self.tolerance, self.rate = tolerance, rate
+        self.duration = 0.0  # duration of the lines of `sizes` [tau]
+        self.sizes = [0.0]  # as of `size_limits`
+
+    def over(self, h: float, size: float) -> list[float]:
+        """The factors over a line of duration h [tau] of a motion of this size."""
+        # Rounding alone changes the duration of lines of equal samples.
+        if abs(h - self.duration) > 1e-9 * h:
+            self.duration = h
+            self.sizes = size_limits(h, self.tolerance, self.rate)
+        square = h * h
+        return [square * c for c in _RECIPROCALS[: 2 + bisect_left(self.sizes, size)]]
