@@ -65,9 +65,11 @@ class Pull(NamedTuple):
     def at(self, y: Any) -> Any:
         """The restoring acceleration -y'' that the devices add at y."""
         theta, total = self.unit * y, 0.0
-        for fixed, rate, *geometry in zip(*self[:5], strict=True):
-            force = fixed + rate * _elongation(*geometry, theta)
-            total = total + force * _lever(*geometry, theta)
+        for fixed, rate, height, behind, kind in zip(
+            self.fixed, self.rate, self.height, self.behind, self.kind, strict=True
+        ):
+            force = fixed + rate * _elongation(height, behind, kind, theta)
+            total = total + force * _lever(height, behind, kind, theta)
         return total / self.moment
 
 
@@ -390,11 +392,15 @@ class Devices:
 
     def pull_on(self, row: Array, now: Branch) -> Pull:
         """The pull of the devices on lanes on these branches."""
+        height, behind = (
+            tuple(np.broadcast_to(self.on(x, row), now.fixed.shape))
+            for x in (self.height, self.behind)
+        )
         return Pull(
             tuple(now.fixed),
             tuple(now.rate),
-            tuple(self.on(self.height, row)),
-            tuple(self.on(self.behind, row)),
+            height,
+            behind,
             self._kinds,
             self.unit[row, 0],
             self.moment[row, 0],

@@ -262,15 +262,10 @@ class WholeLines:
             if abs(terms[-1]) + 0.25 * h * abs(terms[-2]) > self.least * h:
                 break
             end = LineEnd.of(terms)
-            clear = is_clear(limits, y, terms[1], end, h)
-            if not clear or self.recorder is not None:
-                unit, rate = np.array([h]), np.array([course.rate])
-                arc = TaylorSeries(
-                    np.array(terms)[:, None], unit, unit, rate, course.held.damping
-                )
-                if not clear:
-                    return arc
-                self.recorder.keep(lanes, arc, h, branch.now)
+            if not is_clear(limits, y, terms[1], end, h):
+                return _arc(course, terms, h)
+            if self.recorder is not None:
+                self.recorder.keep(lanes, _arc(course, terms, h), h, branch.now)
             y, v, k, u = end.y, end.first / h, k + 1, 0.0
             lanes.y[0], lanes.v[0], lanes.segment[0], lanes.phase[0] = y, v, k, u
             lanes.steps += 1
@@ -351,3 +346,9 @@ class _Factors:
             self.sizes = size_limits(h, self.tolerance, self.rate)
         square = h * h
         return [square * c for c in _RECIPROCALS[: 2 + bisect_left(self.sizes, size)]]
+
+
+def _arc(course: Course, terms: list[float], h: float) -> TaylorSeries:
+    """Terms over a line of duration h [tau] as the series of one lane."""
+    unit, rate = np.array([h]), np.array([course.rate])
+    return TaylorSeries(np.array(terms)[:, None], unit, unit, rate, course.held.damping)
