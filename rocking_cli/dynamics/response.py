@@ -132,8 +132,8 @@ def response(
         False computes the outcome only; theta_ratio is then NaN
     how
         "arrays" advances all cells together, "floats" one cell after the other, for a
-        system of one structure (see `cheaper`); both keep the tolerance, and their
-        digits beyond it differ
+        system of one structure (see `cheaper`; of tied bodies, if they are few); both
+        keep the tolerance, and their digits beyond it differ
     pool
         number of lanes advanced together, None for the default
 
