@@ -83,8 +83,9 @@ class Response(NamedTuple):
 WAYS = ("arrays", "floats")
 # Under a motion of more than LONG segments the march on arrays takes as long for a few
 # cells as that on floats for FEW: 40 to 100 by Eqs. 2.3 and 2.4, 15 to 30 by Eq. 3.4,
-# under records of 400, 1,559 and 7,999 samples.
-LONG, _FEW, _FEW_COMPOSED = 200, 60, 20
+# under records of 400, 1,559 and 7,999 samples; tied bodies up to 3, since
+# their events take as long alone as for many.
+LONG, _FEW, _FEW_COMPOSED, _FEW_TIED = 200, 60, 20, 3
 
 
 def few(system: System, segments: int) -> int:
@@ -93,6 +94,8 @@ def few(system: System, segments: int) -> int:
     """
     if segments <= LONG:
         return 0
+    if system.devices is not None:
+        return _FEW_TIED
     return _FEW_COMPOSED if system.equation.composed else _FEW
 
 
@@ -137,8 +140,8 @@ def response(
         False computes the outcome only; theta_ratio is then NaN
     how
         "arrays" advances all cells together, "floats" one cell after the other, for a
-        system of one structure (see `cheaper`); both keep the tolerance, and their
-        digits beyond it differ
+        system of one structure (see `cheaper`; of tied bodies, if they are few); both
+        keep the tolerance, and their digits beyond it differ
     pool
         number of lanes advanced together, None for the default
 
@@ -179,7 +182,10 @@ def response(
     if system.devices is not None:
         from .tied.tied_march import March
 
-        return _response(March(system, motion.coarsest, *cells).run(), shape, peaks)
+        coarsest = motion.coarsest
+        alone = how == "floats" and cells[0].size <= few(system, len(coarsest.segments))
+        march = March(system, coarsest, *cells, alone=alone)
+        return _response(march.run(), shape, peaks)
     if how == "floats":
         return _one_by_one(system, motion, cells, shape, peaks)
     # The peaks may prove that Fz > 0. The safe amplitudes of many bodies cost more than

@@ -145,6 +145,11 @@ class FallSearch:
         each amplitude is computed once.
         """
         amplitude = _scan_amplitudes(low, high, COARSE)
+        self._compute(amplitude)
+        return amplitude, self.computed[1][np.searchsorted(self.computed[0], amplitude)]
+
+    def _compute(self, amplitude: Array) -> None:
+        """Add those of these amplitudes to `computed` that are new."""
         new = np.setdiff1d(amplitude, self.computed[0], assume_unique=True)
         if new.size:
             every, order = np.unique(
@@ -154,7 +159,6 @@ class FallSearch:
                 every,
                 np.append(self.computed[1], self.approximate_falls(new))[order],
             )
-        return amplitude, self.computed[1][np.searchsorted(self.computed[0], amplitude)]
 
     def lowest(
         self, begin: float, found: float, ratio: float = _FINE, near: float = _NEAR
@@ -242,7 +246,7 @@ class FallSearch:
         """The share of overturning amplitudes, 0 to 1, from the first to 5 % above it,
         by a scan in steps of `COARSE`; 0 if they are one interval.
         """
-        self._coarse(first, _ABOVE * first)
+        self._compute(_scan_amplitudes(first, _ABOVE * first, COARSE)[1:-1])
         falls = self.computed[1][
             (first < self.computed[0]) & (self.computed[0] < _ABOVE * first)
         ].tolist()

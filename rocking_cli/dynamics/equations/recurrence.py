@@ -26,6 +26,7 @@ class Recurrence(Protocol):
     """
 
     damping: float  # zeta [-]
+    tolerance: float  # error of y that a series keeps [-]
 
     def along(
         self, y: Series, new: Callable[[], Series]

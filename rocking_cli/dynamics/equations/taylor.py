@@ -13,7 +13,7 @@ from ...motions.blocks import blocks
 from ...motions.segments import Segments
 from ..drive import segment_value
 from ..lanes import Array, Arrays, Lanes
-from .equation import Drive, Equation, Point
+from .equation import Drive, Point
 from .recurrence import Recurrence, Rows, motion_terms
 
 # Allowed error of a step, in y', over the tolerance: errors double every 0.7 in tau,
@@ -31,7 +31,7 @@ _TINY = 1e-90
 _LEAST = 1e-3  # tau: the unit of lanes at the end of their line
 # growth rate of lanes up to a little beyond the barrier; the last terms show where it
 # is larger
-_GROWTH = 1.3
+GROWTH = 1.3
 # largest size of the first term left out, over the error that a step may have
 _ROOM = 0.1
 
@@ -266,12 +266,14 @@ def longest(terms: Array, fastest: Array, tolerance: float) -> Array:
     return np.minimum(np.exp(size.min(axis=0)), 4.0 * fastest) * (1.0 / fastest)
 
 
-def degrees(size: Array, unit: Array, tolerance: float) -> Array:
+def degrees(
+    size: Array, unit: Array, tolerance: float, growth: Array | float = GROWTH
+) -> Array:
     """Degree that each lane's series needs; size: bound of the acceleration and of the
-    slope of the drive during the unit.
+    slope of the drive during the unit; growth: growth rate of the motion [1/tau].
     """
     degree = np.full(unit.shape, 3, dtype=np.int64)
-    reach = _GROWTH * unit
+    reach = growth * unit
     # what term n adds to the acceleration, n (n - 1) c_n/unit^2, over n - 1; here n = 3
     left = 0.5 * size * reach
     for n in range(4, MOST_TERMS + 1):
@@ -283,15 +285,15 @@ def degrees(size: Array, unit: Array, tolerance: float) -> Array:
     return degree
 
 
-def size_limits(unit: float, tolerance: float) -> list[float]:
+def size_limits(unit: float, tolerance: float, growth: float = GROWTH) -> list[float]:
     """Return the largest size, as `degrees` takes it, for which a series of degree 3, 4
-    ... up to `MOST_TERMS` holds over this unit.
+    ... up to `MOST_TERMS` holds over this unit; growth: as of `degrees`.
     """
-    reach, limits = _GROWTH * unit, []
+    reach, limits = growth * unit, []
     least = 0.5 * reach
     for n in range(3, MOST_TERMS):
         least *= reach / n
-        limits.append(_ROOM * WITHIN * tolerance / least)
+        limits.append(_ROOM * WITHIN * tolerance / least if least else math.inf)
     return limits
 
 
@@ -317,9 +319,14 @@ def last_terms(terms: Array, last: Array, unit: Array) -> Array:
     return size
 
 
-def line_flow(equation: Equation, segments: Segments, lanes: Lanes) -> TaylorSeries:
+def line_flow(
+    equation: Recurrence,
+    segments: Segments,
+    lanes: Lanes,
+    growth: Array | float = GROWTH,
+) -> TaylorSeries:
     """Return the series of lanes under straight lines, each to the end of its line or
-    for `LONGEST`.
+    for `LONGEST`; growth: as of `degrees`.
     """
     outward = -lanes.side * lanes.amplitude
     slope = outward * segments.slope[lanes.segment]
@@ -341,24 +348,29 @@ def line_flow(equation: Equation, segments: Segments, lanes: Lanes) -> TaylorSer
                 heavier,
             )
         )
-    return line_series(equation, lanes.y, lanes.v, drive, lanes.force)
+    return line_series(equation, lanes.y, lanes.v, drive, lanes.force, growth)
 
 
 def line_series(
-    equation: Equation, y: Array, v: Array, drive: Drive, force: Array | None = None
+    equation: Recurrence,
+    y: Array,
+    v: Array,
+    drive: Drive,
+    force: Array | None = None,
+    growth: Array | float = GROWTH,
 ) -> TaylorSeries:
     """Return the Taylor series of lanes under a drive and a weight
-    that vary linearly.
+    that vary linearly; growth: as of `degrees`.
     """
     unit = drive.unit
     # A bound of |y''| and of the slope of the drive gives the degree.
-    size = 2.0 + np.abs(v)
+    size = 2.0 + np.abs(v) * (growth / GROWTH)
     for line in (
         (drive.line, drive.weight_line) if drive.weight is not None else (drive.line,)
     ):
         start, gain = np.abs(line)
         size += start + gain / unit
-    degree = degrees(size, unit, equation.tolerance)
+    degree = degrees(size, unit, equation.tolerance, growth)
     terms = motion_terms(
         equation,
         y,
@@ -383,6 +395,6 @@ def line_series(
         terms,
         unit,
         np.minimum(short, 1.0) * unit,
-        np.full(unit.shape, _GROWTH),
+        np.full(unit.shape, growth),
         equation.damping,
     )

@@ -15,6 +15,7 @@ value at uplift of the free body, positive outward.
     tied_lanes  the data of the march: lanes, ends of steps, results
     transitions  restraints from branch to branch: engagement, yield, unloading, slack,
                 rupture
+    whole_lines  lines of a record along which nothing happens, as arrays or on floats
     tied_march  from event to event: transitions, impact, rest, overturning
 
 While no restraint changes its branch (slack, elastic, yielding, broken), the body

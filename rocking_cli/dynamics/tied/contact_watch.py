@@ -76,6 +76,8 @@ class ContactWatch:
         # the largest speed and acceleration, by the chord over the whole step, and by
         # the chords of its parts.
         at = np.flatnonzero(~known & ~self._proved_by_size(steps))
+        if not at.size:
+            return at, np.zeros((2, 0))
         curvature = self._largest_curvature(steps, at)
         whole = self._stretches(steps, at, np.array([0.0, 1.0]))
         at, curvature = (x[~_proved(whole, curvature)] for x in (at, curvature))

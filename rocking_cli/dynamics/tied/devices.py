@@ -16,10 +16,11 @@ on both sides and breaks on both.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import NamedTuple, Self
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 
@@ -46,6 +47,50 @@ class Branch(NamedTuple):
     def take(self, at: Array | slice) -> Branch:
         """Return the branches of these lanes."""
         return Branch(*(x[..., at] for x in self))
+
+
+class Pull(NamedTuple):
+    """What devices on their branches pull. Numbers are floats or (lanes,); tuples hold
+    one for each device.
+    """
+
+    fixed: tuple[Any, ...]  # force at e = 0 [N]
+    rate: tuple[Any, ...]  # growth of the force with e [N/m]
+    height: tuple[Any, ...]  # h, of a tendon b [m]
+    behind: tuple[Any, ...]  # x, of a tendon 0 [m]
+    kind: tuple[str, ...]  # the geometry, as of `_elongation`
+    unit: Any  # rotation of y = 1 [rad]
+    moment: Any  # m g R times the unit [N m]
+
+    def at(self, y: Any) -> Any:
+        """The restoring acceleration -y'' that the devices add at y."""
+        theta, total = self.unit * y, 0.0
+        for fixed, rate, height, behind, kind in zip(
+            self.fixed, self.rate, self.height, self.behind, self.kind, strict=True
+        ):
+            force = fixed + rate * _elongation(height, behind, kind, theta)
+            total = total + force * _lever(height, behind, kind, theta)
+        return total / self.moment
+
+
+def _elongation(height: Any, behind: Any, kind: str, theta: Any) -> Any:
+    """The elongation e [m] of a device of a geometry (`Devices`) at theta."""
+    if kind == "linear":
+        return height * theta
+    sin = math.sin if isinstance(theta, float) else np.sin
+    if kind == "tendon":
+        return 2.0 * height * sin(0.5 * theta)
+    return behind * (2.0 * sin(0.5 * theta) ** 2) + height * sin(theta)
+
+
+def _lever(height: Any, behind: Any, kind: str, theta: Any) -> Any:
+    """The lever de/dtheta [m] of a device at theta."""
+    if kind == "linear":
+        return height
+    functions = math if isinstance(theta, float) else np
+    if kind == "tendon":
+        return height * functions.cos(0.5 * theta)
+    return height * functions.cos(theta) + behind * functions.sin(theta)
 
 
 @dataclass(frozen=True, eq=False)
@@ -144,15 +189,9 @@ class Devices:
     def elongation(self, row: Array, y: Array) -> Array:
         """The elongation e [m] of each device at y, (devices, lanes)."""
         theta = self.unit[row, 0] * y
-        h = self.on(self.height, row)
-        x = self.on(self.behind, row)
-        if self.linear:
-            return h * theta
-        of_tie = x * (2.0 * np.sin(0.5 * theta) ** 2) + h * np.sin(theta)
-        return (
-            np.where(self.tendon[:, None], 2.0 * h * np.sin(0.5 * theta), of_tie)
-            if self.tendon.any()
-            else of_tie
+        numbers = self.on(self.height, row), self.on(self.behind, row), self._kinds
+        return np.array(
+            [_elongation(*one, theta) for one in zip(*numbers, strict=True)]
         )
 
     def level(self, row: Array, e: Array) -> Array:
@@ -301,6 +340,13 @@ class Devices:
         )
 
     @cached_property
+    def _kinds(self) -> tuple[str, ...]:
+        """The geometry of each device: "linear", "tendon" or "tie"."""
+        if self.linear:
+            return ("linear",) * len(self.names)
+        return tuple("tendon" if x else "tie" for x in self.tendon.tolist())
+
+    @cached_property
     def alike(self) -> bool:
         """True if the sides have the same devices."""
         numbers = (
@@ -344,25 +390,20 @@ class Devices:
         )
         return largest / self.weight, steepest / self.weight
 
-    def lever(self, row: Array, y: Array) -> Array:
-        """The lever de/dtheta of each device at y [m], (devices, lanes)."""
-        h, theta = self.on(self.height, row), self.unit[row, 0] * y
-        if self.linear:
-            return h + 0.0 * theta
-        of_tie = h * np.cos(theta) + self.on(self.behind, row) * np.sin(theta)
-        return (
-            np.where(self.tendon[:, None], h * np.cos(0.5 * theta), of_tie)
-            if self.tendon.any()
-            else of_tie
+    def pull_on(self, row: Array, now: Branch) -> Pull:
+        """The pull of the devices on lanes on these branches."""
+        height, behind = (
+            tuple(np.broadcast_to(self.on(x, row), now.fixed.shape))
+            for x in (self.height, self.behind)
         )
-
-    def pulled(self, row: Array, now: Branch, y: Array) -> Array:
-        """The restoring acceleration -y'' that the devices add at y, (lanes,)."""
-        return (
-            _added(
-                (now.fixed + now.rate * self.elongation(row, y)) * self.lever(row, y)
-            )
-            / self.moment[row, 0]
+        return Pull(
+            tuple(now.fixed),
+            tuple(now.rate),
+            height,
+            behind,
+            self._kinds,
+            self.unit[row, 0],
+            self.moment[row, 0],
         )
 
     def linear_terms(self, row: Array, now: Branch) -> tuple[Array, Array]:

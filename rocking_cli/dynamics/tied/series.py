@@ -11,8 +11,9 @@ where l and m are those of the free body and M is the moment of the devices.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 
@@ -25,7 +26,9 @@ from ..equations.rigid_body import RigidBodyEquation
 from ..equations.taylor import TaylorSeries
 from ..lanes import Array, Lanes
 from ..march.roots import bernstein_form, impact_root, sense
-from .devices import Branch, Devices
+from .devices import Branch, Devices, Pull
+
+NewSeries = Callable[[], Series]  # returns an empty series
 
 _HALVINGS = 40
 
@@ -45,16 +48,18 @@ class Step(NamedTuple):
 
 
 class Law:
-    """The equation of motion of tied bodies."""
+    """The equation of motion of tied bodies; of_lines: True under a record of straight
+    lines.
+    """
 
-    def __init__(self, equation: Equation, devices: Devices) -> None:
-        self.equation, self.devices = equation, devices
+    def __init__(self, equation: Equation, devices: Devices, of_lines: bool) -> None:
+        self.equation, self.devices, self.of_lines = equation, devices, of_lines
         self.tolerance = equation.tolerance  # tolerance of y
         self.order = taylor.order_for(equation.tolerance)
 
     def force(self, row: Array, now: Branch, side: Array, y: Array, a: Array) -> Array:
         """y'' under the outward drive a, without damping, (lanes,)."""
-        return self.equation.on(side).force(y, a) - self.devices.pulled(row, now, y)
+        return self.equation.on(side).force(y, a) - self.devices.pull_on(row, now).at(y)
 
     def flow(
         self, segments: Segments, lanes: Lanes, row: Array, now: Branch, exact: Array
@@ -62,7 +67,7 @@ class Law:
         """The series of lanes from their present state; exact: True where y'' is
         exactly 0 now.
         """
-        held = HeldBody(self.equation.on(lanes.side), self.devices, row, now)
+        held = HeldBody.of(self.equation.on(lanes.side), self.devices, row, now)
         lanes = Lanes.joined([lanes])
         drive = (
             -lanes.side
@@ -75,115 +80,122 @@ class Law:
         lanes.force = np.where(
             exact, 0.0, self.force(row, now, lanes.side, lanes.y, drive)
         )
-        rate = 1.0 + np.sqrt(self.devices.linear_terms(row, now)[1])
+        stiffness = self.devices.linear_terms(row, now)[1]
+        if self.of_lines:
+            return taylor.line_flow(held, segments, lanes, growth(stiffness))
+        rate = 1.0 + np.sqrt(stiffness)
         terms, fastest = taylor.series_flow(held, segments, lanes, self.order, rate)
         return taylor.series(terms, fastest, self.tolerance, self.equation.damping)
 
 
-class HeldBody:
-    """The equation of lanes while their restraints keep their branches: that of the
-    free body, and the moment of its devices.
+def growth(stiffness: Array) -> Array:
+    """The growth rate [1/tau] of a motion with this stiffness of its devices, for the
+    degree of a series.
+    """
+    return np.asarray(taylor.GROWTH * np.sqrt(np.maximum(1.0, stiffness)))
 
-    The moment is a sum of cos theta, sin theta, cos 2 theta, sin 2 theta, cos(theta/2):
-    those of theta follow from l and m of the free body, the second harmonics are rho
-    cos(2 theta - 2 phi) = rho (2 u^2 - 1) with u = cos(theta - phi).
+
+class LinearMoment(NamedTuple):
+    """What restraints on their branches take from y'' in the linear equation: constant
+    + stiffness y. Floats or arrays, (lanes,).
     """
 
-    def __init__(
-        self, equation: Equation, devices: Devices, row: Array, now: Branch
-    ) -> None:
-        self.equation = equation
-        self.devices = devices
-        self.row = row  # row of the devices of each lane, (lanes,)
-        self.now = now  # branch of each device of each lane
-        self.damping = equation.damping
+    constant: Any  # [-]
+    stiffness: Any  # [-]
 
-    def part(self, lanes: slice) -> HeldBody:
-        """Return the equation of some of the lanes."""
-        return HeldBody(
-            self.equation.part(lanes),
-            self.devices,
-            self.row[lanes],
-            self.now.take(lanes),
+    def along(
+        self, y: Series, _free: Series, _push: Series | None, _new: NewSeries
+    ) -> Callable[[int], Any]:
+        """Return a function that returns term n of what is taken along a motion.
+
+        y: terms of the motion; _free, _push: of l and m; _new: returns an empty series.
+        The function is called for n = 0, 1 ..., in this order.
+        """
+        constant, stiffness = self
+        return lambda n: stiffness * y[n] if n else constant + stiffness * y[0]
+
+
+class CircularMoment(NamedTuple):
+    """What restraints on their branches take from y'' of a rigid body. Floats or
+    arrays, (lanes,).
+
+    It is a sum of cos theta, sin theta, cos 2 theta, sin 2 theta, cos(theta/2): those
+    of theta follow from l and m of the free body, the second harmonics are rho cos(2
+    theta - 2 phi) = rho (2 u^2 - 1) with u = cos(theta - phi). Under stiff devices
+    this is a difference of large numbers: its term 0 is the pull itself.
+    """
+
+    pull: Pull  # of the devices
+    by_free: Any  # coefficient of l
+    by_push: Any  # coefficient of m
+    rho: Any  # size of the second harmonics
+    u_by_free: Any  # u = u_by_free l + u_by_push m
+    u_by_push: Any
+    # sin(alpha), coefficients of cos(theta/2) and sin(theta/2); None without a tendon
+    half: tuple[Any, Any, Any] | None
+
+    @classmethod
+    def of(cls, equation: Equation, devices: Devices, row: Array, now: Branch) -> Self:
+        """Return the moment of devices on these branches."""
+        assert isinstance(equation, RigidBodyEquation)
+        of_cos, of_sin, of_cos2, of_sin2, *of_half = -devices.circular_terms(row, now)
+        sin, cos = equation.sin, equation.cos
+        rho, phi = np.hypot(of_cos2, of_sin2), 0.5 * np.arctan2(of_sin2, of_cos2)
+
+        def by_free_and_push(by_cos: Array, by_sin: Array) -> tuple[Array, Array]:
+            # cos theta = sin^2 l + cos^2 m, sin theta = sin cos (m - l), with sin and
+            # cos of alpha
+            return (
+                sin * (sin * by_cos - cos * by_sin),
+                cos * (cos * by_cos + sin * by_sin),
+            )
+
+        return cls(
+            devices.pull_on(row, now),
+            *by_free_and_push(of_cos, of_sin),
+            rho,
+            *by_free_and_push(np.cos(phi), np.sin(phi)),
+            (sin + 0.0 * rho, *of_half) if of_half else None,
         )
 
     def along(
-        self, y: Series, new: Callable[[], Series]
-    ) -> tuple[Series, Series | None, Callable[[int], None]]:
-        """As `Equation.along`."""
-        free, push, extend = self.equation.along(y, new)
-        pulled = (self._linear if self.devices.linear else self._nonlinear)(
-            y, free, push, new
-        )
-        lift = new()
-        lift.append(free[0] + pulled(0))
-
-        def extend_held(n: int) -> None:
-            extend(n)
-            lift.append(free[n] + pulled(n))
-
-        return lift, push, extend_held
-
-    def _linear(
-        self, y: Series, free: Series, push: None, new: Callable[[], Series]
+        self, y: Series, free: Series, push: Series | None, new: NewSeries
     ) -> Callable[[int], Any]:
-        """Return a function of n that returns term n of the acceleration that the
-        devices take from y''.
-        """
-        constant, stiffness = self.devices.linear_terms(self.row, self.now)
-        return lambda n: stiffness * y[n] if n else constant + stiffness * y[0]
+        """As `LinearMoment.along`."""
+        assert push is not None
+        _, by_free, by_push, rho, u_by_free, u_by_push, _ = self
+        stretched, turned, twice = bool(np.any(rho)), new(), 2.0 * rho
+        half = None if self.half is None else self._half_angle(y, new)
 
-    def _nonlinear(
-        self, y: Series, free: Series, push: Series, new: Callable[[], Series]
-    ) -> Callable[[int], Any]:
-        """As `_linear`; the caller calls the function for n = 0, 1 ...
-        in this order.
-        """
-        of_cos, of_sin, of_cos2, of_sin2, *of_half = -self.devices.circular_terms(
-            self.row, self.now
-        )
-        by_free, by_push = self._of_free_and_push(of_cos, of_sin)
-
-        # The second harmonics, rho (2 u^2 - 1) with u = cos(theta - phi).
-        rho, phi = np.hypot(of_cos2, of_sin2), 0.5 * np.arctan2(of_sin2, of_cos2)
-        stretched, turned = bool(rho.any()), new()
-        u_by_free, u_by_push = self._of_free_and_push(np.cos(phi), np.sin(phi))
-        half = self._half_angle(y, new, *of_half) if of_half else None
-
-        def pulled(n: int) -> Array:
-            own = by_free * free[n] + by_push * push[n]
+        def pulled(n: int) -> Any:
             if stretched:
                 turned.append(u_by_free * free[n] + u_by_push * push[n])
-                square = product_term(turned, turned)
-                own = own + 2.0 * rho * square - (0.0 if n else rho)
+            by_cos, by_sin = (0.0, 0.0) if half is None else half(n)
+            if not n:
+                return self.pull.at(y[0])
+            own = by_free * free[n] + by_push * push[n]
+            if stretched:
+                own = own + twice * product_term(turned, turned)
             if half is not None:
-                by_cos, by_sin = half(n)
                 own = own + by_cos + by_sin
             return own
 
         return pulled
 
-    def _of_free_and_push(self, by_cos: Array, by_sin: Array) -> tuple[Array, Array]:
-        """Coefficients of l and m in by_cos cos theta + by_sin sin theta: cos theta =
-        sin^2 l + cos^2 m, sin theta = sin cos (m - l), with sin and cos of alpha.
-        """
-        assert isinstance(self.equation, RigidBodyEquation)
-        sin, cos = self.equation.sin, self.equation.cos
-        return sin * (sin * by_cos - cos * by_sin), cos * (cos * by_cos + sin * by_sin)
-
     def _half_angle(
-        self, y: Series, new: Callable[[], Series], of_cos: Array, of_sin: Array
-    ) -> Callable[[int], tuple[Array, Array]]:
+        self, y: Series, new: NewSeries
+    ) -> Callable[[int], tuple[Any, Any]]:
         """Return a function of n that returns terms n of of_cos cos(theta/2) and of_sin
         sin(theta/2), called for n = 0, 1 ... in this order.
         """
-        assert isinstance(self.equation, RigidBodyEquation)
-        sin = self.equation.sin
+        assert self.half is not None
+        sin, of_cos, of_sin = self.half
         half_cos, half_sin, rate = new(), new(), new()
-        half_cos.append(np.cos(0.5 * sin * y[0]))
-        half_sin.append(np.sin(0.5 * sin * y[0]))
+        functions = math if isinstance(y[0], float) else np
+        half_cos.append(functions.cos(0.5 * sin * y[0]))
+        half_sin.append(functions.sin(0.5 * sin * y[0]))
 
-        def terms(n: int) -> tuple[Array, Array]:
+        def terms(n: int) -> tuple[Any, Any]:
             if n:
                 # The derivatives of cos and sin of theta/2, by its rate.
                 rate.append(0.5 * n * sin * y[n])
@@ -193,6 +205,65 @@ class HeldBody:
             return of_cos * half_cos[n], of_sin * half_sin[n]
 
         return terms
+
+
+class HeldBody:
+    """The equation of lanes, or of one body on floats, while their restraints keep
+    their branches: that of the free body, and the moment of its devices.
+    """
+
+    def __init__(
+        self, equation: Equation, moment: LinearMoment | CircularMoment
+    ) -> None:
+        self.equation = equation
+        self.moment = moment  # of the devices
+        self.damping = equation.damping
+        self.tolerance = equation.tolerance
+
+    @classmethod
+    def of(cls, equation: Equation, devices: Devices, row: Array, now: Branch) -> Self:
+        """Return the equation of lanes; row: row of the devices of each lane, (lanes,);
+        now: branch of each device of each lane.
+        """
+        if devices.linear:
+            return cls(equation, LinearMoment(*devices.linear_terms(row, now)))
+        return cls(equation, CircularMoment.of(equation, devices, row, now))
+
+    def part(self, lanes: slice) -> HeldBody:
+        """Return the equation of some of the lanes."""
+        moment = changed(self.moment, lambda x: x[lanes])
+        return HeldBody(self.equation.part(lanes), moment)
+
+    def of_first(self, equation: Equation) -> HeldBody:
+        """Return the equation of the first lane on floats; equation: that of its free
+        body on floats.
+        """
+        return HeldBody(equation, changed(self.moment, lambda x: float(x[0])))
+
+    def along(
+        self, y: Series, new: NewSeries
+    ) -> tuple[Series, Series | None, Callable[[int], None]]:
+        """As `Equation.along`."""
+        free, push, extend = self.equation.along(y, new)
+        pulled = self.moment.along(y, free, push, new)
+        lift = new()
+        lift.append(free[0] + pulled(0))
+
+        def extend_held(n: int) -> None:
+            extend(n)
+            lift.append(free[n] + pulled(n))
+
+        return lift, push, extend_held
+
+
+def changed(numbers: Any, change: Callable[[Array], Any]) -> Any:
+    """Return numbers, a tuple of tuples, with each array in them changed."""
+    if isinstance(numbers, np.ndarray):
+        return change(numbers)
+    if not isinstance(numbers, tuple):
+        return numbers
+    parts = [changed(x, change) for x in numbers]
+    return type(numbers)(*parts) if hasattr(numbers, "_fields") else tuple(parts)
 
 
 def one_turn(arc: TaylorSeries, left: Array) -> Step:

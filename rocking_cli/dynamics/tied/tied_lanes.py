@@ -61,6 +61,19 @@ class TiedLanes(Lanes):
         )
 
 
+class OnBranch(NamedTuple):
+    """The present branch of the restraints of lanes. Every array is (lanes,)."""
+
+    row: Array  # row of the devices of the side of each lane
+    now: Branch  # the branch of each device
+    low: Array  # y at its lower end, in the unit of the side; the ground is 0
+    high: Array  # y at its upper end, or at the limit of y
+
+    def take(self, at: Array) -> OnBranch:
+        """Return these lanes only."""
+        return OnBranch(self.row[at], self.now.take(at), self.low[at], self.high[at])
+
+
 class CutStep(NamedTuple):
     """Steps up to the events that end them. Every array is (lanes,)."""
 

@@ -44,6 +44,7 @@ from ...motions.motion import Motion
 from ..batch import MAX_STEPS
 from ..contacts.contact import OneSided
 from ..drive import place
+from ..equations.taylor import TaylorSeries
 from ..lanes import Array, Cells, Lanes
 from ..outcome import FALLEN, LOST, Outcome
 from ..system import System
@@ -51,8 +52,9 @@ from .bounces import Bounces
 from .contact_watch import ContactWatch, Steps
 from .devices import Branch
 from .series import Law, Step, falls, one_turn
-from .tied_lanes import CutStep, Found, Recorder, StepEnds, TiedLanes, note
+from .tied_lanes import CutStep, Found, OnBranch, Recorder, StepEnds, TiedLanes, note
 from .transitions import Transitions
+from .whole_lines import LEAST_LINES, WholeLines
 
 # a speed below this counts as zero: it changes y by about as much, and a later uplift
 # by far less than rounding
@@ -64,8 +66,9 @@ _TOUCH, _ROUNDING = 1e-2, 1e-13
 
 class March:
     """The march of cells (A, Omega, eta) of one body with ties or a tendon under a
-    motion; recorder: stores the history of a single cell. Raises UsageError for a
-    motion with a vertical part.
+    motion; recorder: stores the history of a single cell; alone: True to march one cell
+    after the other, along records on floats. Raises UsageError for a motion with a
+    vertical part.
     """
 
     def __init__(
@@ -76,6 +79,7 @@ class March:
         omega: Array,
         eta: Array,
         recorder: Recorder | None = None,
+        alone: bool = False,
     ):
         if motion.vertical is not None:
             raise UsageError(
@@ -97,7 +101,8 @@ class March:
         self.again = 2 if again else 0
         self.every = (1 if self.one_sided else 3) << self.again
         sides = np.array([1.0, -1.0])
-        self.law = Law(self.equation, self.devices)
+        of_lines = segments.straight and self.shaken >= LEAST_LINES
+        self.law = Law(self.equation, self.devices, of_lines)
         # y at which a body has fallen, by the row of its side
         self.limit = np.minimum(
             np.broadcast_to(self.equation.on(sides).limit, 2), self.devices.lever_ends()
@@ -115,6 +120,13 @@ class March:
             self.doubtful = float(
                 np.max(self.equation.on(sides).displacement(np.full(2, FALLEN)))
             )
+        # the lines of a record, None under another motion
+        self.lines = None
+        if of_lines:
+            self.lines = WholeLines(
+                self.equation, self.devices, self.segments, self.shaken, recorder
+            )
+        self.together = 1 if alone or recorder is not None else _TOGETHER
         self.touch = max(_ROUNDING, _TOUCH * self.equation.tolerance)
         self.most = MAX_STEPS + 40 * self.shaken  # steps beyond which a lane fails
         self.found = Found.empty((*self.devices.stiffness.shape, omega.size))
@@ -127,10 +139,15 @@ class March:
             waiting = np.arange(self.found.outcome.size)
             lanes = self._begin(waiting[:0], 0.0)
             while waiting.size or lanes.cell.size:
-                if room := min(waiting.size, _TOGETHER - lanes.cell.size):
+                if room := min(waiting.size, self.together - lanes.cell.size):
                     lanes = lanes.join(self._begin(waiting[:room], release))
                     waiting = waiting[room:]
-                lanes = self._round(lanes) if lanes.cell.size else lanes
+                if not lanes.cell.size:
+                    continue
+                if self.lines is None:
+                    lanes = self._round(lanes, self._branch(lanes))
+                else:
+                    lanes = self._along_lines(lanes, self.lines)
         return self.found
 
     def _of(self, numbers: Array, row: Array) -> Array:
@@ -208,31 +225,49 @@ class March:
             np.full(lanes.cell.size, Outcome.NO_UPLIFT if first else Outcome.ROCKED),
         )
 
-    def _branch(self, lanes: TiedLanes) -> tuple[Array, Branch, Array, Array]:
-        """(row, branch of the devices, y at its lower end, y at its upper end) of each
-        lane.
-        """
+    def _branch(self, lanes: TiedLanes) -> OnBranch:
+        """The branch of the devices of each lane."""
         row = self.devices.row(lanes.side)
         now = self.devices.branch(
             row, self._of(lanes.branch, row), self._of(lanes.plastic, row)
         )
-        return (
+        return OnBranch(
             row,
             now,
             now.low.max(axis=0, initial=0.0),
             np.minimum(now.high.min(axis=0, initial=np.inf), self.limit[row]),
         )
 
-    def _round(self, lanes: TiedLanes) -> TiedLanes:
+    def _along_lines(self, lanes: TiedLanes, lines: WholeLines) -> TiedLanes:
+        """Take lanes over whole lines of a record, and those that cannot go on so
+        through a round; returns the lanes that go on.
+        """
+        branch = self._branch(lanes)
+        # `_certain` is asked on the last branch only.
+        top = np.where(branch.high >= self.limit[branch.row], self.doubtful, np.inf)
+        if self.together == 1:
+            arc = lines.follow_one(lanes, branch, top)
+            return self._round(lanes, branch, arc)
+        on = lines.follow(lanes, branch, top)
+        at, others = np.flatnonzero(~on), lanes.take(np.flatnonzero(on))
+        if not at.size:
+            return others
+        return self._round(lanes.take(at), branch.take(at)).join(others)
+
+    def _round(
+        self, lanes: TiedLanes, branch: OnBranch, arc: TaylorSeries | None = None
+    ) -> TiedLanes:
         """Take one step of every lane by its series, and apply the events at its end;
-        returns the lanes that go on.
+        returns the lanes that go on. arc: the series of the lanes where it is known.
         """
         lanes.steps += 1
-        row, now, low, high = self._branch(lanes)
+        row, now, low, high = branch
         seg, k = self.segments, lanes.segment
         joined = seg.joins[k]
         left = self._time_left(lanes, joined)
-        step = one_turn(self.law.flow(seg, lanes, row, now, lanes.exact), left)
+        if arc is None or lanes.exact[0]:
+            arc = self.law.flow(seg, lanes, row, now, lanes.exact)
+        step = one_turn(arc, left)
         cut = self._cut(step, now, low, high, self.touch * lanes.peak)
         if self.recorder is not None:
             self.recorder.keep(lanes, step.arc, float(cut.reach[0]), now)

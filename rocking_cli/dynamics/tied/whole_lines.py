@@ -1,0 +1,354 @@
+"""Whole straight lines of a record along which nothing happens to tied bodies: the
+march takes such lines without a search for events, many bodies as arrays, one body on
+floats. The recurrence (`equations.recurrence`, with the moment of the devices of
+`series`) and the proof are the same code for both.
+
+Over a line of duration h the motion has the terms c_n of y, in powers of the time over
+h. With a_j = sum n (n - 1) ... (n - j + 1) |c_n|,
+
+    h |y'| <= a_1,    h^2 |y''| <= a_2,    |y - its chord| <= a_2/8,
+    |h y' - its chord| <= a_3/8
+
+since a function leaves the chord between its ends by at most an eighth of its largest
+second derivative. A line is clear if these bounds prove that y stays between the ends
+of the branch of the restraints and that no peak changes a result, if the largest speed
+and acceleration leave Fz > 0 (as in `contact_watch`), and if the last terms show that
+the series holds. Any other line goes through a round of the march.
+"""
+
+from __future__ import annotations
+
+from bisect import bisect_left
+from collections.abc import Sequence
+from operator import mul
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ...motions.segments import Segments
+from ..body import Body
+from ..equations.equation import Equation
+from ..equations.recurrence import Rows, motion_terms
+from ..equations.taylor import (
+    MOST_TERMS,
+    WITHIN,
+    TaylorSeries,
+    degrees,
+    factors_for,
+    last_terms,
+    size_limits,
+)
+from ..lanes import Array
+from .devices import BROKEN, Devices
+from .series import HeldBody, changed, growth
+from .tied_lanes import OnBranch, Recorder, TiedLanes
+
+LEAST_LINES = 100  # under fewer lines every line goes through a round
+_LONGEST = 0.5  # duration of a line that is tried, at most [tau]
+_TOGETHER = 12  # lines that many bodies take before the next round
+_SHARE = 0.4  # of the bodies: if fewer go on, a round comes first
+# factor of the size that gives the degree of a series: one term more at most, without
+# which a third of the lines of stiff ties would not hold
+_ROOM = 64.0
+# n (n - 1) ... (n - j + 1) for j = 0 ... 3, (j, terms)
+_FACTORS = np.array(
+    [
+        [np.prod(n - np.arange(float(j))) for n in range(MOST_TERMS + 1)]
+        for j in range(4)
+    ]
+)
+_BY_TERM = [row.tolist() for row in _FACTORS]
+# 1/((n + 1)(n + 2)), by which term n + 2 of y follows from term n of y''
+_RECIPROCALS = [1.0 / ((n + 1) * (n + 2)) for n in range(MOST_TERMS)]
+
+
+class Limits(NamedTuple):
+    """Limits within which nothing happens to lanes, (lanes,) each, or floats."""
+
+    low: Any  # y at the lower end of the branch
+    high: Any  # y at its upper end
+    # y up to which no peak is the largest of the body or of a restraint; negative if
+    # every peak is an event
+    known: Any
+    top: Any  # y beyond which the march asks whether the body overturns
+    unit: Any  # rotation of y = 1 [rad]
+    alpha: Any  # critical angle [rad]
+    kappa: Any  # m R^2/I times the unit [rad]; 0 for lanes whose contact is not watched
+
+
+class Course(NamedTuple):
+    """What does not change for lanes that go over lines, (lanes,) each, or floats."""
+
+    held: HeldBody  # the equation
+    limits: Any  # `Limits`, None as long as they are not set
+    omega: Any  # Omega of the side [-]
+    outward: Any  # outward drive of s = 1 [-]
+    constant: Any  # of the devices, as of `Devices.linear_terms`
+    stiffness: Any
+    rate: Any  # growth rate of the motion [1/tau]
+
+    def left_of(self, lines: Sequence[Any], k: Any, u: Any) -> tuple[Any, Any, Any]:
+        """(duration [tau], drive at the start, its increase) of what is left of line k
+        from phase u on; lines: start and rise of s, length [rad] of each line, as lists
+        or arrays.
+        """
+        start, rise, length = (x[k] for x in lines)
+        share, gain = u / length, self.outward * rise
+        drive = self.outward * start + gain * share
+        return (length - u) / self.omega, drive, gain - gain * share
+
+    def size(self, y: Any, v: Any, line: tuple[Any, Any, Any]) -> Any:
+        """The size of the motion that gives the degree of its series (`degrees`)."""
+        h, drive, gain = line
+        shaking = 2.0 + abs(drive) + abs(gain) / h
+        return _ROOM * (
+            shaking + self.rate * abs(v) + self.constant + self.stiffness * y
+        )
+
+
+class LineEnd(NamedTuple):
+    """The end of a line, and the sums a_j over it, (lanes,) each, or floats."""
+
+    y: Any  # displacement at the end
+    first: Any  # h y' at the end
+    speed: Any  # a_1
+    acceleration: Any  # a_2
+    jerk: Any  # a_3
+
+    @classmethod
+    def of(cls, terms: Any) -> LineEnd:
+        """Return the end of a line with these terms, a list of floats or (terms,
+        lanes).
+        """
+        if type(terms) is list:
+            sizes = list(map(abs, terms))
+            return cls(
+                sum(terms),
+                sum(map(mul, _BY_TERM[1], terms)),
+                *(sum(map(mul, factors, sizes)) for factors in _BY_TERM[1:]),
+            )
+        # NumPy sums a single lane in another order.
+        lanes = terms.shape[1]
+        rows = np.repeat(terms, 2, axis=1) if lanes == 1 else terms
+        factors = _FACTORS[:, : len(rows)]
+        ends = np.einsum("jn,nl->jl", factors[:2], rows)[:, :lanes]
+        sums = np.einsum("jn,nl->jl", factors[1:], np.abs(rows))[:, :lanes]
+        return cls(*ends, *sums)
+
+
+def is_clear(limits: Limits, y: Any, first: Any, end: LineEnd, h: Any) -> Any:
+    """True where nothing happens on a line of duration h [tau] that begins at y with h
+    y' = `first`; floats or arrays, (lanes,).
+    """
+    bend, turn = 0.125 * end.acceleration, 0.125 * end.jerk
+    lowest, highest = (y - bend, end.y - bend), (y + bend, end.y + bend)
+
+    # y stays on the branch, near its chord; or it leaves an end of the branch and does
+    # not turn back.
+    above = ((lowest[0] > limits.low) & (lowest[1] > limits.low)) | (
+        (y >= limits.low) & (first > 0.5 * end.acceleration)
+    )
+    below = ((highest[0] < limits.high) & (highest[1] < limits.high)) | (
+        (y <= limits.high) & (first < -0.5 * end.acceleration)
+    )
+
+    # y' keeps its sign, or its peaks are below those that are known.
+    no_peak = (
+        ((first > turn) & (end.first > turn))
+        | ((first < -turn) & (end.first < -turn))
+        | ((highest[0] < limits.known) & (highest[1] < limits.known))
+    )
+
+    # Fz > 0, where |z| is at most alpha or theta - alpha.
+    over = 1.0 / (h * h)
+    centripetal = limits.unit * end.speed * end.speed * over
+    pressed = True
+    for lean in (limits.alpha, *(limits.unit * x - limits.alpha for x in highest)):
+        downwards = lean * end.acceleration * over + centripetal
+        pressed = pressed & (limits.kappa * downwards < 1.0)
+
+    goes_on = (end.y <= limits.top) | (end.first <= 0.0)
+    return above & below & no_peak & pressed & goes_on
+
+
+class WholeLines:
+    """Takes tied bodies over the lines of a record."""
+
+    def __init__(
+        self,
+        equation: Equation,
+        devices: Devices,
+        segments: Segments,
+        shaken: int,
+        recorder: Recorder | None,
+    ) -> None:
+        # shaken: number of lines of the record
+        self.equation, self.devices, self.shaken = equation, devices, shaken
+        self.recorder = recorder
+        self.watched: Body | None = devices.body  # body whose contact is watched
+        # largest size of the last terms, over the duration of a line
+        self.least = WITHIN * equation.tolerance
+        # start and rise of s [-] and length [rad] of each line, also for one body
+        self.lines = (
+            segments.s_start,
+            segments.s_end - segments.s_start,
+            segments.length,
+        )
+        self.lists = [x.tolist() for x in self.lines]
+        # course of one body, without its limits, by side and state of the devices
+        self._courses: dict[tuple[float, ...], tuple[Course, _Factors]] = {}
+
+    def follow(self, lanes: TiedLanes, branch: OnBranch, top: Array) -> Array:
+        """Move lanes over lines that are clear; True for lanes that may go on so.
+
+        branch: of the restraints; top: as of `Limits`, (lanes,).
+        """
+        course = self._course(lanes, branch)._replace(
+            limits=self._limits(lanes, branch, top)
+        )
+        y, v, k, u = lanes.y, lanes.v, lanes.segment, lanes.phase
+        go = self._short(lanes, k, u)
+        # The degree of the first line serves all: the last terms show if it is enough.
+        _, *line = course.left_of(self.lines, k, u)
+        whole = np.minimum(self.lines[2][k] / lanes.omega, _LONGEST)
+        degree = degrees(
+            course.size(y, v, (whole, *line)),
+            whole,
+            self.equation.tolerance,
+            course.rate,
+        )
+        factors = factors_for(np.ones(go.size), degree)
+        last = degree * go.size + np.arange(go.size)
+        for _ in range(_TOGETHER):
+            if np.count_nonzero(go) <= _SHARE * go.size:
+                break
+            h, *line = course.left_of(self.lines, k, u)
+            h = np.minimum(h, _LONGEST)
+            terms = motion_terms(course.held, y, v, h, h * h * factors, Rows.of(*line))
+            # Lanes on clear lines go to the next line.
+            end = LineEnd.of(terms)
+            go &= last_terms(terms, last, h) <= self.least * h
+            go &= is_clear(course.limits, y, terms[1], end, h)
+            y, v = np.where(go, end.y, y), np.where(go, end.first / h, v)
+            k, u = k + go, np.where(go, 0.0, u)
+            go &= self._short(lanes, k, u)
+        lanes.steps += k - lanes.segment
+        lanes.exact &= k == lanes.segment
+        lanes.y, lanes.v, lanes.segment, lanes.phase = y, v, k, u
+        return go
+
+    def follow_one(
+        self, lanes: TiedLanes, branch: OnBranch, top: Array
+    ) -> TaylorSeries | None:
+        """`follow` for a single lane, on floats, until a line is not clear; returns the
+        series on that line if it holds.
+        """
+        course, factors = self._course_of_one(lanes, branch)
+        limits = Limits(*(float(x[0]) for x in self._limits(lanes, branch, top)))
+        course = course._replace(
+            omega=lanes.omega.item(),
+            outward=-lanes.side.item() * lanes.amplitude.item(),
+        )
+        y, v = lanes.y.item(), lanes.v.item()
+        k, u = lanes.segment.item(), lanes.phase.item()
+        while k < self.shaken:
+            line = course.left_of(self.lists, k, u)
+            h, *drive = line
+            if h > _LONGEST:
+                break
+            terms = motion_terms(
+                course.held, y, v, h, factors.over(h, course.size(y, v, line)), drive
+            )
+            if abs(terms[-1]) + 0.25 * h * abs(terms[-2]) > self.least * h:
+                break
+            end = LineEnd.of(terms)
+            if not is_clear(limits, y, terms[1], end, h):
+                return _arc(course, terms, h)
+            if self.recorder is not None:
+                self.recorder.keep(lanes, _arc(course, terms, h), h, branch.now)
+            y, v, k, u = end.y, end.first / h, k + 1, 0.0
+            lanes.y[0], lanes.v[0], lanes.segment[0], lanes.phase[0] = y, v, k, u
+            lanes.steps += 1
+            lanes.exact[0] = False
+        return None
+
+    def _short(self, lanes: TiedLanes, k: Array, u: Array) -> Array:
+        """True for lanes on a line of the record that is short from phase u on."""
+        left = self.lines[2][k] - u
+        return (k < self.shaken) & (left <= _LONGEST * lanes.omega)
+
+    def _course(self, lanes: TiedLanes, branch: OnBranch) -> Course:
+        """The course of lanes on a branch, with `limits` still to be set."""
+        equation, devices = self.equation.on(lanes.side), self.devices
+        constant, stiffness = devices.linear_terms(branch.row, branch.now)
+        return Course(
+            HeldBody.of(equation, devices, branch.row, branch.now),
+            None,
+            lanes.omega,
+            -lanes.side * lanes.amplitude,
+            constant,
+            stiffness,
+            growth(stiffness),
+        )
+
+    def _course_of_one(
+        self, lanes: TiedLanes, branch: OnBranch
+    ) -> tuple[Course, _Factors]:
+        """(course of a single lane on floats, factors of its series)."""
+        now, side = branch.now, lanes.side.item()
+        key = (side, *now.fixed[:, 0].tolist(), *now.rate[:, 0].tolist())
+        if key not in self._courses:
+            course = self._course(lanes, branch)
+            held = course.held.of_first(self.equation.edge(side))
+            one = Course(held, *changed(course[1:], lambda x: x.item()))
+            factors = _Factors(self.equation.tolerance, one.rate)
+            self._courses[key] = one, factors
+        return self._courses[key]
+
+    def _limits(self, lanes: TiedLanes, branch: OnBranch, top: Array) -> Limits:
+        """The limits of lanes on a branch; top: as of `Limits`."""
+        row, now, ones = branch.row, branch.now, np.ones(lanes.y.size)
+        unit, alpha, kappa = ones, ones, 0.0 * ones
+        if self.watched is not None:
+            edge = self.watched.on(lanes.side)
+            unit, alpha = edge.unit * ones, edge.alpha * ones
+            kappa = np.where(lanes.lost, 0.0, edge.kappa * unit)
+        # A broken restraint is not stretched any more.
+        farthest = lanes.farthest[row, :, np.arange(row.size)].T
+        broken = lanes.branch[row, :, np.arange(row.size)].T == BROKEN
+        stretched = np.where(broken, np.inf, self.devices.level(row, farthest))
+        known = np.minimum(lanes.peak, stretched.min(axis=0))
+        events = now.yields | (self.recorder is not None)
+        return Limits(
+            branch.low,
+            branch.high,
+            np.where(events, -1.0, known),
+            top,
+            unit,
+            alpha,
+            kappa,
+        )
+
+
+class _Factors:
+    """The factors of the series of one body on floats (`motion_terms`)."""
+
+    def __init__(self, tolerance: float, rate: float) -> None:
+        self.tolerance, self.rate = tolerance, rate
+        self.duration = 0.0  # duration of the lines of `sizes` [tau]
+        self.sizes = [0.0]  # as of `size_limits`
+
+    def over(self, h: float, size: float) -> list[float]:
+        """The factors over a line of duration h [tau] of a motion of this size."""
+        # Rounding alone changes the duration of lines of equal samples.
+        if abs(h - self.duration) > 1e-9 * h:
+            self.duration = h
+            self.sizes = size_limits(h, self.tolerance, self.rate)
+        square = h * h
+        return [square * c for c in _RECIPROCALS[: 2 + bisect_left(self.sizes, size)]]
+
+
+def _arc(course: Course, terms: list[float], h: float) -> TaylorSeries:
+    """Terms over a line of duration h [tau] as the series of one lane."""
+    unit, rate = np.array([h]), np.array([course.rate])
+    return TaylorSeries(np.array(terms)[:, None], unit, unit, rate, course.held.damping)
