@@ -122,7 +122,7 @@ class MarchState:
         if side == to:
             return y
         at = (np.array([x]) for x in (y, side, to))
-        return float(self.contact.converted(*at)[0])
+        return float(self.contact.converted(*at, np.zeros(1, dtype=np.int64))[0])
 
     def _net(self, edge: LaneEdge, k: int, u: float) -> float:
         """The net drive c at phase u of segment k; 0 on the still ground after the
