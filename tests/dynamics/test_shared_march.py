@@ -34,6 +34,7 @@ def test_a_body_has_the_same_bits_alone_and_with_others(peaks):
             system, sine(2), amplitude[own], omega[own], structure.eta, peaks=peaks
         )
         np.testing.assert_array_equal(outcome[own], alone.outcome)
-        np.testing.assert_array_equal(impacts[own], alone.impacts)
+        if peaks:  # else sequences may be closed in one step, which are not counted
+            np.testing.assert_array_equal(impacts[own], alone.impacts)
         np.testing.assert_array_equal(theta_ratio[own], alone.theta_ratio)
         assert np.unique(alone.outcome).size > 3
