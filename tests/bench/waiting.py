@@ -44,7 +44,7 @@ ROWS = {
         "solve {configs}/block.yaml --vary width=0.4:0.8 --a-g 0.4g --f-g 1"
     ),
     "solve, yield of a tie": (
-        "solve {configs}/wall_tied.yaml --vary ties.0.yield=1kN:20kN --a-g 0.5g --f-g 1"
+        "solve {configs}/wall_tied.yaml --vary ties.0.yield=6kN:20kN --a-g 0.8g --f-g 1"
     ),
     "report of 12 statues": (
         "report statues.yaml --a-g 0.35g --f-g 1.5 -o report.html --overwrite"
