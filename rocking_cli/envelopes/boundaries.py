@@ -443,6 +443,5 @@ def _around(flags: Array) -> Array:
     """True at places that are at most AROUND places from a True flag."""
     sums, at = np.concatenate([[0], np.cumsum(flags)]), np.arange(flags.size)
     return (
-        sums[np.minimum(at + AROUND + 1, flags.size)]
-        > sums[np.maximum(at - AROUND, 0)]
+        sums[np.minimum(at + AROUND + 1, flags.size)] > sums[np.maximum(at - AROUND, 0)]
     )

@@ -275,13 +275,13 @@ class _Range(NamedTuple):
             self.structure, self.motion, self.uplift, omega, self.method, most
         )
 
-    def minimum(self, before: float, after: float, most: float) -> tuple[float, float]:
+    def minimum(self, around: tuple[float, float], most: float) -> tuple[float, float]:
         """(minimum of the first overturning amplitude between two Omega, its Omega)."""
         from scipy.optimize import minimize_scalar
 
         found = minimize_scalar(
             lambda x: self.first(math.exp(x), most),
-            bounds=(math.log(before), math.log(after)),
+            bounds=tuple(map(math.log, around)),
             method="bounded",
             options={"xatol": _FINE},
         )
@@ -334,6 +334,10 @@ class _Rows(NamedTuple):
     def of_body(self, body: int) -> Array:
         """The rows of a body."""
         return np.flatnonzero(self.body == body)
+
+    def around(self, row: int) -> tuple[float, float]:
+        """The Omega next to that of a row, below and above it."""
+        return float(self.omega[self.before[row]]), float(self.omega[self.after[row]])
 
     def at_an_end(self, rows: Array) -> Array:
         """True for rows at an end of the range."""
@@ -430,8 +434,7 @@ class _Group:
                 inside = self._inside(row, rows)
                 if falls.not_above(np.array([row]), np.array([inside]))[0]:
                     continue  # no lower a little inside
-            ends = rows.omega[rows.before[row]], rows.omega[rows.after[row]]
-            minima.append(self._minimum(one, *map(float, ends), most))
+            minima.append(self._minimum(one, rows.around(row), most))
         first, omega = min(minima, default=(math.inf, 0.0))
         if minima and falls.exceeds(np.array([best]), np.array([first]))[0]:
             return omega, first > one.amplitude
@@ -455,10 +458,10 @@ class _Group:
         return own
 
     def _minimum(
-        self, one: _Range, before: float, after: float, most: float
+        self, one: _Range, around: tuple[float, float], most: float
     ) -> tuple[float, float]:
         """`_Range.minimum`; tells the progress."""
-        found = one.minimum(before, after, most)
+        found = one.minimum(around, most)
         self.minima_found += 1
         self.tell(1.0 - (1.0 - _SCANNED) * 0.5 ** (self.minima_found / _HALF))
         return found
@@ -526,9 +529,8 @@ class _Group:
             one = self.ranges[body]
             if body in done:
                 continue
-            ends = rows.omega[rows.before[row]], rows.omega[rows.after[row]]
             reach = _OUTCOME_REACH * one.amplitude
-            first, omega = self._minimum(one, *map(float, ends), reach)
+            first, omega = self._minimum(one, rows.around(row), reach)
             if first > one.amplitude:
                 continue
             _, outcome = self._under(np.array([body]), np.array([omega]))

@@ -35,7 +35,8 @@ _DIGITS = (
 # this one
 _BEYOND = 2.0
 _EXACT = 1e-8  # of a boundary before it is rounded
-_AT_ONCE = 9  # values of the scan for each process, which are judged together
+_AT_ONCE = 3  # values of the scan for each process, which are judged together
+_ASKED_TOGETHER = 20  # values of the scan whose outcomes are asked together
 _PARTS = 8  # parts of a bracket in one cut, of structures that share a march
 
 
@@ -221,6 +222,8 @@ class _BoundarySearch:
         """
         values, found = sorted(self.varied.values), []
         at_once = _AT_ONCE * (self.workers or available_cpus())
+        if self.by_outcomes and not with_capacities:
+            at_once = _ASKED_TOGETHER
         for begin in range(0, len(values), at_once):
             some = values[begin : begin + at_once]
             if with_capacities:

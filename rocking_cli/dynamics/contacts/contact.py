@@ -401,12 +401,12 @@ class UnequalCells(Unequal):
     def of(cls, contacts: Sequence[Unequal], counts: Sequence[int]) -> Self:
         """Return the contact of so many cells of each body."""
 
-        def cells(name: str) -> tuple[Array, Array]:
+        def cells(name: str) -> Any:
             pairs = np.array([getattr(contact, name) for contact in contacts])
             right, left = np.repeat(pairs, counts, axis=0).T
             return right, left
 
-        return cls(*map(cells, ("drive", "omega", "eta", "rotation")))
+        return cls(cells("drive"), cells("omega"), cells("eta"), cells("rotation"))
 
     def _of(self, pair: tuple[Any, Any], side: Array, cell: Array) -> Array:
         right, left = pair

@@ -70,8 +70,8 @@ class RigidBodyEquation(Equation):
         super().__init__(damping)
         self.order, self.tolerance = order_for(tolerance), tolerance
         self._by_cell = isinstance(alpha, np.ndarray)
-        # number of cells that have two edges
-        self._two_edged = alpha.shape[1] if np.ndim(alpha) == 2 else 0
+        # number of cells if each has two edges, otherwise 0
+        self._two_edged = np.size(alpha) // 2 if np.ndim(alpha) == 2 else 0
         kinds, which = np.unique(np.ravel(alpha), return_inverse=True)
         numbers = [_numbers(x) for x in kinds.tolist()]
         # Of the cells, or of the right edge and the left; of all right edges first.
