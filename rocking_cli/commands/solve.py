@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -94,7 +95,7 @@ def solve(
             up_to=ends[1].shakes[0][1] if ends else None,
             workers=workers,
             progress=ProgressLine("solve", "values"),
-            scanned_at=lambda *point, scan=scan: scan.append(point),
+            scanned_at=None if figure.output is None else _append_to(scan),
         )
         scans[found[0].structure if found else document.source] = scan
         rows += map(_row, found)
@@ -125,6 +126,11 @@ def solve(
         f"the scan has {len(varied.values)} values; two boundaries between neighbours"
         " of them may be missed",
     )
+
+
+def _append_to(scan: list[tuple[float, float]]) -> Callable[[float, float], None]:
+    """Return a function that appends points to a scan."""
+    return lambda value, capacity: scan.append((value, capacity))
 
 
 def _row(boundary: Boundary) -> dict[str, Any]:

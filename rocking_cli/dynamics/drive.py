@@ -8,14 +8,13 @@ from typing import NamedTuple, Self
 import numpy as np
 
 from ..motions.segments import Segments
-from .lanes import Array, Lanes
+from .lanes import Array
 
 # a step relative to every scale of the drive: after a step of Halley's method this
 # short the error is below rounding
 _SHORT = 3e-6
 # rounding error over the terms that an integral over a segment is summed from
 _ROUNDING = 1e-13
-_SAFE_SHARE = 1.0 - 1e-9
 # for R^2 - x^2, which rounding may make 0 or less at an extremum of the sinusoid
 _LEAST_SQUARE = 1e-300
 
@@ -243,15 +242,6 @@ class RemainingImpulse(NamedTuple):
             to_come + np.where(before, np.abs(self.turn[k] - here), 0.0) + self.later[k]
         )
         return found
-
-    def cannot_overturn(self, lanes: Lanes) -> Array:
-        """True for lanes at y = 0 that the rest of the motion cannot overturn: |v| + A
-        int |s| dphi/Omega < 1 (Lemma 9).
-        """
-        return (
-            lanes.amplitude * self.after(lanes.segment, lanes.phase)
-            < _SAFE_SHARE * (1.0 - np.abs(lanes.v)) * lanes.omega
-        )
 
 
 def _antiderivative(segments: Segments, k: Array, u: Array) -> Array:

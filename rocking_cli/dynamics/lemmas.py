@@ -167,9 +167,9 @@ Proof. dE/dtau = 2 v a, and v^2 <= E below y = 1, so sqrt(E) grows by at most in
 dtau. Impacts lower it. A body that overturns has had E >= 1. Other bodies under a
 steady weight: on each edge let W be the speed at the ground of a body that just reaches
 its unstable equilibrium, M the largest m, A_1 and Omega_1 the edge's for A = Omega = 1,
-and c a unit in which no impact raises the speed. From the first uplift on nothing
-overturns while A int |s| dphi/Omega max(c A_1 M/Omega_1) < min(c W), the maximum and
-the minimum over the edges.
+and c a unit in which no impact raises the speed. A body at the ground with speed v
+does not overturn if c v + A int |s| dphi/Omega max(c A_1 M/Omega_1) < min(c W) over
+what is still to come, the maximum and the minimum over the edges.
 Proof. The speed at the ground of the same energy grows by at most int |a| M dtau, as
 above. Damping and impacts lower it.
 Test `test_impulse.py::test_lemma_9_nothing_to_come_overturns_what_is_below_the_bound`,

@@ -5,14 +5,21 @@ entry of EQUATIONS, imported where it is used.
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, cast
 
 import numpy as np
 
 from ..errors import UsageError, did_you_mean
 from ..structures.parameters import RockingParameters, Side
 from .body import Body
-from .contacts.contact import Contact, OneSided, Symmetric, Unequal, reciprocal_ratios
+from .contacts.contact import (
+    Contact,
+    OneSided,
+    Symmetric,
+    Unequal,
+    UnequalCells,
+    reciprocal_ratios,
+)
 from .equations.equation import Equation
 from .equations.taylor import order_for
 from .system import System
@@ -41,8 +48,8 @@ class EquationKind(NamedTuple):
     shares: Callable[[RockingParameters], Any]
     rates: str  # name of its form in `references.problems`
     exact: bool = False  # True if it has no tolerance
-    # returns one equation for cells of plain bodies with these alphas at a tolerance,
-    # None if there is none
+    # returns one equation for cells of bodies with these alphas at a tolerance; they
+    # are (cells,), or (2, cells) of right and left edges; None if there is none
     of_cells: Callable[[np.ndarray, float], Equation] | None = None
 
 
@@ -271,7 +278,7 @@ class Method:
         Parameters
         ----------
         structures
-            whose `shares` are equal, or which all can be mixed
+            whose `mixes` are equal
         counts
             number of cells of each structure, (structures,)
 
@@ -292,14 +299,50 @@ class Method:
             (self.system_of(s), count)
             for s, count in zip(structures, counts, strict=True)
         )
-        equation = (
-            one.equation
-            if of_cells is None
-            else of_cells(
-                np.repeat([s.alpha for s in structures], counts), self.tolerance
-            )
+        one = one._replace(body=None, own=own)
+        if of_cells is None or not self._mixed(structures[0]):
+            return one
+        if not structures[0].sides:
+            alpha = np.repeat([s.alpha for s in structures], counts)
+            return one._replace(equation=of_cells(alpha, self.tolerance))
+        edges = [[side.alpha for side in reversed(s.sides)] for s in structures]
+        alpha = np.ascontiguousarray(np.repeat(edges, counts, axis=0).T)
+        contacts = [system.contact for system, _ in own]
+        return one._replace(
+            equation=of_cells(alpha, self.tolerance),
+            contact=UnequalCells.of(cast("list[Unequal]", contacts), counts),
         )
-        return one._replace(equation=equation, body=None, own=own)
+
+    def _mixed(self, structure: RockingParameters) -> bool:
+        """True if one equation takes cells of this structure and of others that differ
+        from it in alpha.
+        """
+        free = not (
+            structure.one_sided or structure.damping or structure.restraints is not None
+        )
+        return free and self.kind_of(structure).of_cells is not None
+
+    def mixes(self, structure: RockingParameters) -> tuple[Any, ...]:
+        """Return a key: the cells of structures of equal keys have one system, under a
+        motion without a vertical part (see `system_of_cells`).
+
+        Parameters
+        ----------
+        structure
+            the structure
+
+        Returns
+        -------
+        tuple
+
+        Raises
+        ------
+        UsageError
+            if the model has no equation for this structure
+        """
+        if self._mixed(structure):
+            return (len(structure.sides),)
+        return self.shares(structure)
 
     def body_of(self, structure: RockingParameters) -> Body | None:
         """Return what gives the forces of a structure on the ground.

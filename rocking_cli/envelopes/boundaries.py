@@ -8,12 +8,14 @@ linear oscillator that the motion lifts on its first segment at any amplitude: e
 amplitude above one that overturns without impact does so too.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from ..dynamics.impulse_bound import ImpulseBound
 from ..dynamics.lanes import Cells
 from ..dynamics.march.closings import FEW_SIGN_CHANGES
 from ..dynamics.outcome import Outcome, safe
@@ -32,7 +34,7 @@ Steps = list[tuple[float, int]]  # (amplitude, outcome from there on), amplitude
 # step of the finer scan around changes of the outcome or of the number of impacts,
 # where narrow intervals gather
 FINE_STEP = 0.999e-4
-_AROUND = 12  # points on either side of such a change that the finer scan includes
+AROUND = 12  # points on either side of such a change that the finer scan includes
 _BATCH = 1 << 20  # cells of the scan computed together
 _SCAN_WIDTH = 1e-6  # relative width to which an approximate scan finds changes
 _STRETCH = 80  # points computed together in a search for the first fall
@@ -88,17 +90,13 @@ class Search:
         """The largest A int |s| dphi/Omega from the first uplift on under which nothing
         overturns (Lemma 9).
         """
-        amplitude, omega, eta = self._cells(np.ones(1), np.ones(1))
-        sides = np.array([1.0, -1.0])
-        equation = self.system.equation.on(sides)
-        # W: speed at the ground of a body that just overturns
-        speed = np.sqrt(equation.barrier / equation.fall(np.zeros(2), np.ones(2))[1])
-        with np.errstate(divide="ignore"):
-            # c: unit of speed of each side in which no impact raises the speed
-            unit = np.array([1.0, np.clip(1.0, eta[-1, 0], 1.0 / eta[0, 0])])
-        # c A_1 M/Omega_1: growth of c times the speed, over A int |s| dphi/Omega
-        growth = unit * (amplitude / omega)[:, 0] * equation.bounds[1]
-        return float((unit * speed).min() / growth.max())
+        return float(self._impulse_bound.least[0] / self._impulse_bound.growth[0])
+
+    @cached_property
+    def _impulse_bound(self) -> ImpulseBound:
+        """Lemma 9 for A = Omega = 1."""
+        cells = self._cells(np.ones(1), np.ones(1))
+        return ImpulseBound.of(self.system.equation, cells, self.motion.segments)
 
     def _cells(self, amplitude: Array, omega: Array) -> Cells:
         return self.system.contact.cells(
@@ -253,8 +251,8 @@ class Search:
         for begin in range(0, int(starts[-1]), _BATCH):
             end = min(begin + _BATCH, int(starts[-1]))
             # including the points around the gaps of this batch
-            a = max(0, begin - 1 - _AROUND)
-            b = min(end + _AROUND, int(starts[-1]))
+            a = max(0, begin - 1 - AROUND)
+            b = min(end + AROUND, int(starts[-1]))
             top, bottom = np.searchsorted(starts, [a, b - 1], side="right")
             row = np.repeat(
                 np.arange(top - 1, bottom),
@@ -286,51 +284,23 @@ class Search:
         return ScanPoints(row, amplitude, label, impacts)
 
     def _changes(self, points: ScanPoints, counted: Array, omegas: Array) -> Brackets:
-        """Brackets of the changes between scan points. Around changes of the outcome or
-        of the number of impacts it scans more finely.
-        """
-        width = np.diff(points.amplitude)
-        changed = (points.label[1:] != points.label[:-1]) | (
-            points.impacts[1:] != points.impacts[:-1]
-        )
-        changed &= (
-            not self.ratio and self.motion.segments.sign_changes > FEW_SIGN_CHANGES
-        )
-        # Each gap near a change is cut into equal parts of at most `FINE_STEP`.
-        gap = np.flatnonzero(counted & _around(changed) & (width > FINE_STEP))
-        cuts = np.ceil(width[gap] / FINE_STEP).astype(np.int64) - 1
-        share = (
-            np.arange(cuts.sum()) - np.repeat(np.cumsum(cuts) - cuts, cuts) + 1.0
-        ) / np.repeat(cuts + 1, cuts)
-        gap = np.repeat(gap, cuts)
-        inner = self._compute(
-            points.row[gap], points.amplitude[gap] + share * width[gap], omegas
-        )
-        # Points of both scans in one order, by row and amplitude.
-        place = np.concatenate([np.arange(points.row.size), gap + share])
-        order = np.argsort(place, kind="stable")
-        row, amplitude, label = (
-            np.concatenate([x, y])[order]
-            for x, y in zip(points[:3], inner[:3], strict=True)
-        )
-        return Brackets.between(
-            row, amplitude, label, counted[place[order[:-1]].astype(np.int64)]
-        )
+        """Brackets of the changes between scan points."""
+
+        def compute(row: Array, amplitude: Array) -> ScanPoints:
+            return self._compute(row, amplitude, omegas)
+
+        finely = not self.ratio and looks_finely(self.motion)
+        return changes_between(points, counted, finely, compute)
 
     def _points_to_compute(self, omegas: Array) -> tuple[Array, Array]:
         """(first, last) scan point to compute; there is no change below the first or
         above the last.
         """
         scan, segments = self.grid, self.motion.segments
-        first = np.zeros(omegas.size, dtype=np.int64)
+        first = self.safe_points(omegas)
         last = np.full(omegas.size, scan.size - 1)
         if self.system.devices is not None or self.motion.vertical is not None:
             return first, last
-        # above it bodies may lose contact
-        safe_to = self.system.safe_amplitude(self.motion)
-        first = np.minimum(
-            self._last_safe_point(omegas), scan.below(np.full(omegas.size, safe_to))
-        )
         # the largest |s| lifts the body to the same side at any amplitude
         start = segments.s_start[0]
         end = segments.s_end[0]
@@ -341,19 +311,28 @@ class Search:
             last = self._first_without_impact(omegas, first, last)
         return first, last
 
+    def safe_points(self, omegas: Array) -> Array:
+        """The scan point of each row up to which theorems exclude overturning."""
+        if self.system.devices is not None or self.motion.vertical is not None:
+            return np.zeros(omegas.size, dtype=np.int64)
+        # above it bodies may lose contact
+        safe_to = self.system.safe_amplitude(self.motion)
+        return np.minimum(
+            self._last_safe_point(omegas),
+            self.grid.below(np.full(omegas.size, safe_to)),
+        )
+
     def _last_safe_point(self, omegas: Array) -> Array:
         """The last scan point of each row at which Lemma 9 excludes overturning, since
         A int |s| dphi/Omega is at most `safe_impulse`.
         """
         scan = self.grid
         segments = self.motion.segments
-        most = (1.0 - 1e-9) * self.safe_impulse * omegas
         # Under a record the integral is so large that this excludes no amplitude.
         if len(segments) > LONGEST_FINE:
             return np.zeros(omegas.size, dtype=np.int64)
-        from ..dynamics.drive import RemainingImpulse
-
-        remaining = RemainingImpulse.of(segments)
+        most = (1.0 - 1e-9) * self.safe_impulse * omegas
+        remaining = self._impulse_bound.remaining
         low = np.zeros(omegas.size, dtype=np.int64)
         high = np.full(omegas.size, scan.size)
         # Bisection: a larger amplitude lifts the body earlier, so both A and the
@@ -420,10 +399,49 @@ def _lifted(outcome: Array) -> Array:
     return np.where(outcome == Outcome.NO_UPLIFT, np.uint8(Outcome.ROCKED), outcome)
 
 
+def looks_finely(motion: Motion) -> bool:
+    """True if a scan under this motion looks more finely around changes."""
+    return motion.segments.sign_changes > FEW_SIGN_CHANGES
+
+
+def changes_between(
+    points: ScanPoints,
+    counted: Array,
+    finely: bool,
+    compute: Callable[[Array, Array], ScanPoints],
+) -> Brackets:
+    """Brackets of the changes between scan points, after which they are `counted`.
+    finely: True if points are added around changes of the outcome or of the number of
+    impacts; compute: function of rows and amplitudes that computes them.
+    """
+    width = np.diff(points.amplitude)
+    changed = (points.label[1:] != points.label[:-1]) | (
+        points.impacts[1:] != points.impacts[:-1]
+    )
+    changed &= finely
+    # Each gap near a change is cut into equal parts of at most `FINE_STEP`.
+    gap = np.flatnonzero(counted & _around(changed) & (width > FINE_STEP))
+    cuts = np.ceil(width[gap] / FINE_STEP).astype(np.int64) - 1
+    share = (
+        np.arange(cuts.sum()) - np.repeat(np.cumsum(cuts) - cuts, cuts) + 1.0
+    ) / np.repeat(cuts + 1, cuts)
+    gap = np.repeat(gap, cuts)
+    inner = compute(points.row[gap], points.amplitude[gap] + share * width[gap])
+    # Points of both scans in one order, by row and amplitude.
+    place = np.concatenate([np.arange(points.row.size), gap + share])
+    order = np.argsort(place, kind="stable")
+    row, amplitude, label = (
+        np.concatenate([x, y])[order]
+        for x, y in zip(points[:3], inner[:3], strict=True)
+    )
+    return Brackets.between(
+        row, amplitude, label, counted[place[order[:-1]].astype(np.int64)]
+    )
+
+
 def _around(flags: Array) -> Array:
-    """True at places that are at most _AROUND places from a True flag."""
+    """True at places that are at most AROUND places from a True flag."""
     sums, at = np.concatenate([[0], np.cumsum(flags)]), np.arange(flags.size)
     return (
-        sums[np.minimum(at + _AROUND + 1, flags.size)]
-        > sums[np.maximum(at - _AROUND, 0)]
+        sums[np.minimum(at + AROUND + 1, flags.size)] > sums[np.maximum(at - AROUND, 0)]
     )

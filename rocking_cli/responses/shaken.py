@@ -14,7 +14,7 @@ from ..motions import Motion
 from ..motions.grid import Grid
 from ..structures.parameters import RockingParameters
 
-_SHIFTS = np.array(
+SHIFTS = np.array(
     [0.0, *(sign * 10.0**-n for n in (12, 9, 6) for sign in (-1.0, 1.0))]
 )  # relative changes of a demand
 _SAME = 0.01  # of theta/alpha: rotations under them that differ by less are one
@@ -85,7 +85,7 @@ class Shaken(NamedTuple):
 
 def answer_of(search: CapacitySearch) -> Shaken:
     """Compute the answer of a body to the demand of a search."""
-    shifted = search.amplitude * (1.0 + _SHIFTS)
+    shifted = search.amplitude * (1.0 + SHIFTS)
     return Shaken(
         search,
         shifted,

@@ -16,6 +16,8 @@ from ..documents.document import Document
 from ..dynamics.method import direction_in_words
 from ..dynamics.outcome import Outcome
 from ..envelopes.amplitudes import Limit
+from ..envelopes.capacity import falls_may_be_narrow
+from ..envelopes.intervals import A_MAX
 from ..envelopes.worst import at_worst_frequency
 from ..errors import UsageError
 from ..motions import Motion
@@ -24,10 +26,11 @@ from ..motions.grid import Grid
 from ..processes import available_cpus
 from ..showing import Shown
 from ..structures.family import Variation, family, parse_variation
-from ..structures.friction import sliders
+from ..structures.friction import friction_that_slides, refuse_range, sliders
 from ..structures.given import document_from
 from ..structures.parameters import RockingParameters
 from .check import Demand, Standing, standings
+from .withstanding import withstand
 
 _DIGITS = (
     6  # significant digits of a boundary, which is rounded to the side that stands
@@ -38,6 +41,8 @@ _BEYOND = 2.0
 _EXACT = 1e-8  # of a boundary before it is rounded
 SCAN = 17  # values of a range that states no number
 _AT_ONCE = 3  # values of the scan for each process, which are judged together
+_ASKED_TOGETHER = 20  # values of the scan whose outcomes are asked together
+_PARTS = 8  # parts of a bracket in one cut, of structures that share a march
 
 
 @dataclass(frozen=True, repr=False)
@@ -55,7 +60,8 @@ class Boundary(Shown):
     side: "stands above" or "stands below"; without a boundary "stands everywhere" or
         "stands nowhere"
     capacity_demand: the number that `check` finds for the document with this value;
-        under a set of motions the least one over the motions of the required share
+        under a set of motions the least one over the motions of the required share;
+        None if nothing overturns the structure, as one that slides
     shown: the value in the unit of the range, by heading
     unit: SI unit of the value, "" for a plain number
 
@@ -75,7 +81,8 @@ class Boundary(Shown):
     # "stands nowhere"
     side: str
     # the number that `check` finds for the document with this value; under a set of
-    # motions the least one over the motions of the required share
+    # motions the least one over the motions of the required share; None if nothing
+    # overturns the structure, as one that slides
     capacity_demand: float | None
     shown: dict[str, float | None]  # the value in the unit of the range, by heading
     unit: str = ""  # SI unit of the value, "" for a plain number
@@ -143,7 +150,7 @@ def boundaries(
         called with the number of finished values and of all
     scanned_at
         called with each value of `varied` and capacity_demand there, at most twice the
-        margin; NaN without a verdict
+        margin; NaN without a verdict; None spares the search for these numbers
 
     Returns
     -------
@@ -185,10 +192,10 @@ def boundaries(
         None if up_to is None else demand_of(demands[0][0], up_to)[1],
         workers,
     )
-    scanned = search.scanned(progress)
+    scanned = search.scanned(progress, with_capacities=scanned_at is not None)
     if scanned_at is not None:
-        for value, excess in scanned:
-            scanned_at(value, margin * math.exp(excess))
+        for value, _ in scanned:
+            scanned_at(value, margin * math.exp(search.excess(value)))
     found = search.boundaries(scanned)
     return found, list(dict.fromkeys(search.remarks))
 
@@ -220,31 +227,46 @@ class _BoundarySearch:
         # ln(capacity_demand/margin) of each value, NaN if there is no such structure,
         # or no verdict
         self.known: dict[float, float] = {}
+        # True if outcomes tell whether a structure stands: the worst frequency is not
+        # searched, and overturning intervals are wide
+        self.by_outcomes = up_to is None and not any(
+            falls_may_be_narrow(motion) for motion, _ in (*shakes, *opposite)
+        )
+        # the demands on the structures of each value
+        self.demands: dict[float, list[Demand]] = {}
         # the ends of the range that are the worst, of each value
         self.at_ends: dict[float, set[str]] = {}
 
     def scanned(
-        self, progress: Callable[[int, int], None] | None
-    ) -> list[tuple[float, float]]:
-        """Return the values of the range, rising, with the excess of each."""
+        self, progress: Callable[[int, int], None] | None, *, with_capacities: bool
+    ) -> list[tuple[float, bool | None]]:
+        """Return the values of the range, rising, and whether the structure stands at
+        each; None without a verdict. with_capacities: True if `excess` is asked too.
+        """
         values, found = sorted(self.varied.values), []
         at_once = _AT_ONCE * (self.workers or available_cpus())
+        if self.by_outcomes and not with_capacities:
+            at_once = _ASKED_TOGETHER
         for begin in range(0, len(values), at_once):
             some = values[begin : begin + at_once]
-            found += list(zip(some, self.excesses(some), strict=True))
+            if with_capacities:
+                self.excesses(some)
+            found += list(zip(some, self.stand(some), strict=True))
             if progress is not None:
                 progress(len(found), len(values))
         return found
 
-    def boundaries(self, scanned: Sequence[tuple[float, float]]) -> list[Boundary]:
+    def boundaries(
+        self, scanned: Sequence[tuple[float, bool | None]]
+    ) -> list[Boundary]:
         """Return the boundaries between neighbours of the scan; a single row without a
         value if the structure stands, or falls, at all of them.
         """
         found = []
         for (low, x), (high, y) in pairwise(scanned):
-            if (x >= 0.0) != (y >= 0.0) and not math.isnan(x + y):
-                found.append(self.boundary(low, high, y >= 0.0))
-        known = [(value, x >= 0.0) for value, x in scanned if not math.isnan(x)]
+            if x is not None and y is not None and x != y:
+                found.append(self.boundary(low, high, y))
+        known = [(value, x) for value, x in scanned if x is not None]
         if len({stands for _, stands in known}) != 1:
             return [one for one in found if one is not None]
         value, stands = known[0]
@@ -253,7 +275,56 @@ class _BoundarySearch:
             " of the scan"
         )
         side = "stands everywhere" if stands else "stands nowhere"
-        return [self.row(value, side, None)]
+        return [self.row(value, side)]
+
+    def stand(
+        self, values: Sequence[float], *, scanned: bool = True
+    ) -> list[bool | None]:
+        """Return whether the structure stands at each value; None without a structure
+        or a verdict. scanned: as of `withstand`.
+        """
+        asked = {
+            value: demands
+            for value in (values if self.by_outcomes else ())
+            if (demands := self._demands(value))
+            and all(
+                friction_that_slides(structure) is None for structure, _, _ in demands
+            )
+        }
+        every = [demand for demands in asked.values() for demand in demands]
+        found = iter(withstand(every, self.margin, scanned=scanned))
+        stands = {
+            value: self._stands_under(value, list(islice(found, len(demands))))
+            for value, demands in asked.items()
+        }
+        others = [value for value in values if value not in asked]
+        for value, excess in zip(others, self.excesses(others), strict=True):
+            stands[value] = None if math.isnan(excess) else excess >= 0.0
+        return [stands[value] for value in values]
+
+    def _stands_under(self, value: float, found: Sequence[bool | None]) -> bool | None:
+        """Return whether the structure of a value stands under the required share of
+        the motions; found: whether it does under each demand.
+        """
+        if None in found:
+            self._no_verdict(value)
+            return None
+        _, motions, _ = shape = self._shape(len(found))
+        falls = ~np.reshape(np.array(found, dtype=bool), shape).all(axis=(0, 2))
+        return int(falls.sum()) <= self._left_out(motions)
+
+    def _shape(self, demands: int) -> tuple[int, int, int]:
+        """(directions, motions, structures) of the demands of a value."""
+        motions = len(self.shakes)
+        directions = 2 if self.opposite else 1
+        return directions, motions, demands // (motions * directions)
+
+    def _left_out(self, motions: int) -> int:
+        """The number of motions under which the structure may fall."""
+        return math.floor(motions * (1.0 - self.share) + 1e-9)
+
+    def _no_verdict(self, value: float) -> None:
+        self.remarks.append(f"no verdict for {self.varied.key} = {value:g}")
 
     def excess(self, value: float) -> float:
         """Return ln(capacity_demand/margin) for a value of the key; NaN if there is no
@@ -285,6 +356,12 @@ class _BoundarySearch:
         """Return the demands on the structures of a value of the key, one motion after
         the other; none without a structure.
         """
+        if value not in self.demands:
+            self.demands[value] = self._new_demands(value)
+        return self.demands[value]
+
+    def _new_demands(self, value: float) -> list[Demand]:
+        """As `_demands`, for a value that is asked for the first time."""
         varied = self.varied._replace(values=(value,))
         members = list(family(self.document, [varied], each=True))
         structures = [x.parameters for x in members if x.parameters is not None]
@@ -309,8 +386,11 @@ class _BoundarySearch:
         return demands if self.up_to is None else self._at_worst(value, demands)
 
     def _at_worst(self, value: float, demands: Sequence[Demand]) -> list[Demand]:
-        """Return the demands at the worst frequency of the range."""
+        """Return the demands at the worst frequency of the range. Raises UsageError for
+        a structure that slides.
+        """
         assert self.up_to is not None  # a range is stated
+        refuse_range((one for one, _, _ in demands), "a range of frequencies")
         worst = [
             at_worst_frequency(structure, motion, low, self.up_to, self.reach)
             for structure, motion, low in demands
@@ -330,36 +410,54 @@ class _BoundarySearch:
         found: what stands under the demands of a value.
         """
         if any(one.outcome == Outcome.FAILED for one in found):
-            self.remarks.append(f"no verdict for {self.varied.key} = {value:g}")
+            self._no_verdict(value)
             return math.nan
+        capacity = self._least_capacity(found)
+        return math.log(min(_BEYOND, capacity / self.margin))
+
+    def _least_capacity(self, found: Sequence[Standing]) -> float:
+        """Return the capacity over the demand of the required share of the motions,
+        infinite if nothing overturns; found: as of `_excess_of`.
+        """
         least = [
             min(
-                _BEYOND * self.margin,
                 math.inf if one.capacity_demand is None else one.capacity_demand,
                 math.nextafter(1.0, 0.0) if one.falls else math.inf,
             )
             for one in found
         ]
-        motions = len(self.shakes)
-        directions = 2 if self.opposite else 1
-        structures = len(found) // (motions * directions)
-        capacities = np.sort(
-            np.reshape(least, (directions, motions, structures)).min(axis=(0, 2))
-        )  # of each motion
-        which = math.floor(motions * (1.0 - self.share) + 1e-9)
-        return math.log(capacities[which] / self.margin)
+        _, motions, _ = shape = self._shape(len(found))
+        # of each motion
+        capacities = np.sort(np.reshape(least, shape).min(axis=(0, 2)))
+        return float(capacities[self._left_out(motions)])
+
+    def capacity_demand(self, value: float) -> float | None:
+        """Return the number that `check` finds for a value, None if nothing overturns
+        the structure.
+        """
+        capacity = self.margin * math.exp(self.excess(value))
+        if capacity < _BEYOND * self.margin * (1.0 - 1e-9):
+            return capacity
+        # The capacity is above the reach of the search.
+        found = standings(
+            self._demands(value),
+            a_max=max(A_MAX, _BEYOND * self.margin),
+            workers=self.workers,
+        )
+        capacity = self._least_capacity(list(found))
+        return capacity if math.isfinite(capacity) else None
 
     def boundary(self, low: float, high: float, above: bool) -> Boundary | None:
         """Return the boundary between two values; above: True if the structure stands
         above it. None next to a value without a structure or a verdict.
         """
-        from scipy.optimize import brentq
-
-        try:
-            exact = brentq(self.excess, low, high, xtol=_EXACT * abs(high), rtol=_EXACT)
-        except ValueError:  # such a value is remarked on
+        exact = self._narrowed(low, high, above)
+        if exact is None:
             return None
         value = self._rounded(exact, low, high, above)
+        if self.excess(value) < 0.0:
+            self._no_verdict(value)
+            return None
         for end in sorted(self.at_ends.get(value, ())):
             beyond = "slower" if end.startswith("lower") else "faster"
             self.remarks.append(
@@ -367,7 +465,62 @@ class _BoundarySearch:
                 " may overturn it"
             )
         side = "stands above" if above else "stands below"
-        return self.row(value, side, self.margin * math.exp(self.excess(value)))
+        return self.row(value, side, value, self.capacity_demand(value))
+
+    def _narrowed(self, low: float, high: float, above: bool) -> float | None:
+        """Return a value closer than `_EXACT` to the boundary between two values, at
+        which the structure may fall; None next to a value without a structure or a
+        verdict.
+        """
+        stands, falls = (high, low) if above else (low, high)
+        if not self.by_outcomes:
+            return self._root(low, high)
+        # Where the structure falls at the margin itself, no scan is needed.
+        if self.stand([falls], scanned=False) == [False]:
+            ends = self._cut(falls, stands, scanned=False)
+            if ends is None or self.stand([ends[1]]) == [True]:
+                return None if ends is None else ends[0]
+            falls = ends[1]  # a lower amplitude overturns it
+        ends = self._cut(falls, stands, scanned=True)
+        return None if ends is None else ends[0]
+
+    def _root(self, low: float, high: float) -> float | None:
+        """`_narrowed` by the root of `excess`."""
+        from scipy.optimize import brentq
+
+        try:
+            found = brentq(self.excess, low, high, xtol=_EXACT * abs(high), rtol=_EXACT)
+        except ValueError:  # such a value is remarked on
+            return None
+        return float(found)
+
+    def _cut(
+        self, falls: float, stands: float, *, scanned: bool
+    ) -> tuple[float, float] | None:
+        """Return two values closer than `_EXACT`: the structure falls at the first one
+        and stands at the second; scanned: as of `withstand`. None next to a value
+        without a structure or a verdict.
+        """
+        parts, largest = self._parts(falls), max(abs(falls), abs(stands))
+        while abs(stands - falls) > _EXACT * largest:
+            share = np.arange(1, parts) / parts
+            values = (falls + (stands - falls) * share).tolist()
+            found = self.stand(values, scanned=scanned)
+            if None in found:  # such a value is remarked on
+                return None
+            # The last value that falls, and the one after it, which stands.
+            ends, known = [falls, *values, stands], [False, *found, True]
+            at = max(i for i, one in enumerate(known) if not one)
+            if {ends[at], ends[at + 1]} == {falls, stands}:
+                break
+            falls, stands = ends[at], ends[at + 1]
+        return falls, stands
+
+    def _parts(self, value: float) -> int:
+        """Return the parts of a bracket in one cut: several if the structures of all
+        values share one march, which costs little more than a single structure.
+        """
+        return _PARTS if all(s.plain for s, _, _ in self._demands(value)) else 2
 
     def _rounded(self, exact: float, low: float, high: float, above: bool) -> float:
         """Return the boundary rounded to the side that stands: the first number of
@@ -383,14 +536,20 @@ class _BoundarySearch:
                 return value
         return high if above else low
 
-    def row(self, value: float, side: str, capacity_demand: float | None) -> Boundary:
-        """Return the row of a value, which it does not state if capacity_demand is
-        None.
+    def row(
+        self,
+        value: float,
+        side: str,
+        stated: float | None = None,
+        capacity_demand: float | None = None,
+    ) -> Boundary:
+        """Return the row of a value; stated: the value that it states, None without a
+        boundary.
         """
         key = self.varied.key
         (member,) = family(self.document, [self.varied._replace(values=(value,))])
         assert member.parameters is not None
-        known = capacity_demand is not None
+        known = stated is not None
         return Boundary(
             self._own_name(member.parameters),
             key,

@@ -10,7 +10,7 @@ import numpy as np
 
 from ..dynamics.method import Method, governing_method
 from ..dynamics.outcome import Outcome, safe
-from ..dynamics.response import Response, cheaper, response
+from ..dynamics.shared_march import SharedMarch
 from ..motions.grid import Grid
 from ..motions.motion import Motion
 from ..structures.friction import friction_that_slides
@@ -98,26 +98,9 @@ class Together:
     ) -> None:
         self.method, self.motion, self.structures = method, motion, structures
         self.omega = omega  # Omega of each structure [-]
-        self.eta = np.array([s.eta for s in structures])  # restitution of each [-]
         # of each structure: its friction if it slides and never rocks
         self.friction = [friction_that_slides(s) for s in structures]
-        groups: dict[object, int] = {}
-        self.group = np.array(
-            [groups.setdefault(self._shared(s), len(groups)) for s in structures]
-        )
-
-    def _shared(self, structure: RockingParameters) -> object:
-        """Return what the structures of one march have in common: nothing for plain
-        bodies whose equation takes cells of several alphas; under a vertical motion
-        also the ground acceleration of A = 1, with which the weight changes.
-        """
-        if self.motion.vertical is not None:
-            scale = structure.alpha / structure.a_scale
-            return (*self.method.shares(structure), scale)
-        kind = self.method.kind_of(structure)
-        if structure.plain and kind.of_cells is not None:
-            return None
-        return self.method.shares(structure)
+        self.march = SharedMarch(motion, structures, [method] * len(structures))
 
     def least_uplifts(self) -> Array:
         """Return the least amplitude A that lifts each structure, infinite for one
@@ -150,11 +133,10 @@ class Together:
             outcome[at] = self._of_sliding(int(i), amplitude[at])
             lost = outcome[at] == Outcome.LOST_CONTACT
             theta_ratio[at] = np.where(lost | (not peaks), np.nan, 0.0)
-        for number in np.unique(self.group[which[~slide]]):
-            at = np.flatnonzero((self.group[which] == number) & ~slide)
-            at = at[np.argsort(which[at], kind="stable")]  # by structure
-            got = self._of_group(which[at], amplitude[at], peaks)
-            theta_ratio[at], outcome[at] = got.theta_ratio, got.outcome
+        at = np.flatnonzero(~slide)
+        theta_ratio[at], outcome[at], _ = self.march.response(
+            which[at], amplitude[at], self.omega[which[at]], peaks
+        )
         return theta_ratio, outcome
 
     def _of_sliding(self, i: int, amplitude: Array) -> list[Outcome]:
@@ -168,17 +150,6 @@ class Together:
             ratios = structure.gravity / structure.ground_acceleration(amplitude)
         return [base.under(ratio).outcome for ratio in ratios.tolist()]
 
-    def _of_group(self, which: Array, amplitude: Array, peaks: bool) -> Response:
-        """Return the responses of cells of one group, which are in the order of their
-        structures.
-        """
-        own, counts = np.unique(which, return_counts=True)
-        structures = [self.structures[i] for i in own]
-        system = self.method.system_of_cells(structures, counts.tolist())
-        how = cheaper(system, self.motion, which.size) if own.size == 1 else "arrays"
-        cells = (amplitude, self.omega[which], self.eta[which])
-        return response(system, self.motion, *cells, peaks=peaks, how=how)
-
     def lowest_falls(self, lowest: Array, highest: Array) -> Array:
         """Return the lowest amplitude A that overturns each structure between two
         amplitudes, infinite without one.
@@ -187,7 +158,7 @@ class Together:
         stands = lowest.copy()  # largest amplitude up to which no rung overturns
         climbing = np.flatnonzero(np.isfinite(lowest) & (lowest < highest))
         while climbing.size:
-            largest = int(np.bincount(self.group[climbing]).max())
+            largest = int(np.bincount(self.march.group[climbing]).max())
             window = int(np.clip(_CELLS // largest, _FEWEST, _MOST))
             rungs = stands[climbing, None] * (1.0 + STEP) ** np.arange(1, window + 1)
             rungs = np.minimum(rungs, highest[climbing, None])

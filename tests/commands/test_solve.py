@@ -4,8 +4,10 @@ from itertools import cycle
 
 import pytest
 
-from rocking_cli import Outcome
-from rocking_cli.responses.check import Standing
+from rocking_cli import Outcome, load_structures, parse_grid, sine
+from rocking_cli.envelopes.amplitudes import Limit
+from rocking_cli.responses.check import Standing, standings
+from rocking_cli.responses.withstanding import withstand
 
 SHAKING = ("--a-g", "0.4g", "--f-g", "1")
 
@@ -59,7 +61,12 @@ def judged(monkeypatch):
             ]
             return [Standing(Outcome.ROCKED, c) for c in found]
 
-        monkeypatch.setattr("rocking_cli.responses.solving.standings", standings)
+        def withstand(demands, margin, **_):
+            return [one.capacity_demand >= margin for one in standings(demands)]
+
+        solving = "rocking_cli.responses.solving"
+        monkeypatch.setattr(f"{solving}.standings", standings)
+        monkeypatch.setattr(f"{solving}.withstand", withstand)
 
     return by
 
@@ -244,3 +251,41 @@ def test_csv_states_the_unit_of_the_value(rocking, judged):
         "solve", *call[1:2], "--vary", "restitution=0.88:0.9:2", *call[4:], "--csv"
     )
     assert pure.stdout.splitlines()[0] == "structure,key,value,side,capacity_demand"
+
+
+def test_a_body_that_slides_has_no_capacity_and_no_range_of_frequencies(rocking):
+    """Below lambda, 0.25, the block slides, and nothing overturns it."""
+    call = ("solve", "block:0.5x2", "--vary", "friction=0.2:0.3:2", "--a-g", "0.4g")
+    done = rocking(*call, "--f-g", "1", "--json")
+    row = done.record
+    assert (row["side"], row["capacity_demand"]) == ("stands below", None)
+    assert row["value"] == pytest.approx(0.25, abs=1e-8)
+    assert "it slides, never rocks" in done.stderr
+    refused = rocking(*call, "--f-g", "1:2")
+    assert refused.returncode == 2
+    assert (
+        "a range of frequencies does not go with a body that slides" in refused.stderr
+    )
+
+
+def test_what_stands_up_to_the_margin_is_what_has_the_capacity():
+    """Outcomes up to the margin against the capacities of `check`, also of bodies with
+    two sides, with one, and with a tie.
+    """
+    demands, shaking = [], parse_grid("a_g=0.4g,f_g=1")
+    for body in (
+        "block:0.5x2",
+        "block:0.65x2",
+        "block:0.5x1",
+        "rigid:left=0.42,right=0.31,height=1.15,gyration=0.68",
+        "rigid:left=0.62,right=0.61,height=1.15,gyration=0.68",
+        "wall:thickness=0.6,height=4,one_sided=true",
+        "configs/wall_tied.yaml",
+    ):
+        demands += [(one, sine(), shaking) for one in load_structures(body)]
+    reach = Limit(8.0, acceleration=True)  # twice the demand, about
+    capacities = [one.capacity_demand for one in standings(demands, a_max=reach)]
+    for margin in (0.7, 1.0, 1.4):
+        assert withstand(demands, margin) == [
+            c is None or c >= margin for c in capacities
+        ]

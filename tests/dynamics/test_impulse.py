@@ -3,6 +3,7 @@ that is said.
 """
 
 from itertools import pairwise
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -12,18 +13,22 @@ from support.references import lanes
 
 from rocking_cli import (
     LinearEquation,
+    Method,
     Outcome,
     System,
     cosine,
-    linear_response,
+    load_structures,
     pulse,
+    response,
     sine,
 )
 from rocking_cli.dynamics.batch import Batch
 from rocking_cli.dynamics.drive import RemainingImpulse
+from rocking_cli.dynamics.impulse_bound import ImpulseBound
 from rocking_cli.dynamics.march import closings
 from rocking_cli.dynamics.march.engine import Run
 
+ARCH = str(Path(__file__).parents[2] / "configs/arch.yaml")
 FEW_PUSHES = [
     sine(),
     sine(0.5),
@@ -97,9 +102,8 @@ def landed(motion, cells, seed, share):
     at = np.flatnonzero(v > 0.0)
     k, u, amplitude, omega, v = (x[at] for x in (k, u, amplitude, omega, v))
     side, eta = random.choice([-1.0, 1.0], at.size), random.uniform(0.5, 1.0, at.size)
-    run = Run(
-        Batch.of(System(LinearEquation()), segments, amplitude, omega, eta), at.size
-    )
+    batch = Batch.of(System(LinearEquation()), segments, amplitude, omega, eta)
+    run = Run(batch, at.size)
     b = -side * amplitude * motion.value(segments.start[k] + u) - 1.0
     landing = lanes(
         amplitude=amplitude,
@@ -113,7 +117,8 @@ def landed(motion, cells, seed, share):
         impacts=1,
         steps=1,
     )
-    below = remaining.cannot_overturn(landing)
+    bound = ImpulseBound.of(batch.equation, batch.cells, segments)
+    below = bound.cannot_overturn(batch.cells, landing)
     with np.errstate(all="ignore"):
         while landing.cell.size:
             landing = run.round(landing)
@@ -137,17 +142,31 @@ def test_just_above_the_bound_short_pulses_overturn():
     )
 
 
-@pytest.mark.parametrize("motion", [sine(), sine(0.5)], ids=lambda m: m.name)
-def test_where_only_outcomes_are_wanted_they_are_the_same(motion, monkeypatch):
+STATUE = "rigid:left=0.42,right=0.31,height=1.15,gyration=0.68"
+LEANING = "wall:thickness=0.6,height=6,one_sided=true"
+
+
+@pytest.mark.parametrize(
+    "motion", [sine(), sine(0.5).scaled(-1.0)], ids=lambda m: m.name
+)
+@pytest.mark.parametrize("body", [None, "block:0.5x2", STATUE, LEANING, ARCH])
+def test_where_only_outcomes_are_wanted_they_are_the_same(body, motion, monkeypatch):
+    """Of linear oscillators, and of bodies by their nonlinear equations."""
     random = np.random.default_rng(8)
     amplitude, omega = (
         1.0 + 10.0 ** random.uniform(-2.0, 0.5, 300),
         random.uniform(0.5, 8.0, 300),
     )
     eta = random.choice([0.0, 0.3, 0.9], 300)
-    sooner = linear_response(motion, amplitude, omega, eta, peaks=False)
+    system = System(LinearEquation())
+    if body is not None:
+        (structure,) = load_structures(body)
+        # without a body, whose forces need the peaks
+        system = Method("nonlinear").system_of(structure)._replace(body=None)
+        eta = structure.eta
+    sooner = response(system, motion, amplitude, omega, eta, peaks=False)
     monkeypatch.setattr(closings, "FEW_SIGN_CHANGES", -1)
-    followed = linear_response(motion, amplitude, omega, eta, peaks=False)
+    followed = response(system, motion, amplitude, omega, eta, peaks=False)
     np.testing.assert_array_equal(sooner.outcome, followed.outcome)
     assert np.all(sooner.impacts <= followed.impacts)
     assert sooner.work.steps < followed.work.steps

@@ -4,8 +4,9 @@ their common part.
 
 import math
 from abc import ABC, abstractmethod
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 
@@ -90,9 +91,9 @@ class Contact(ABC):
         """
         lanes.side[at] = side
 
-    def converted(self, y: Array, side: Array, to: Array) -> Array:
+    def converted(self, y: Array, side: Array, to: Array, cell: Array) -> Array:
         """Return the displacements on the sides `to` that are as large a part of alpha
-        as the displacements y on these sides.
+        as the displacements y on these sides; cell: the cells of the lanes.
         """
         return y
 
@@ -320,7 +321,10 @@ class Unequal(Contact):
                 "eta of both edges must be from 0, and their product at most 1"
             )
 
-    def _of(self, pair: tuple[float, float], side: Array) -> Array:
+    def _of(self, pair: tuple[Any, Any], side: Array, cell: Array) -> Array:
+        """Return the number of the edge on which each lane is; cell: the cells of the
+        lanes.
+        """
         return np.where(side > 0.0, *pair)
 
     def cells(
@@ -340,22 +344,25 @@ class Unequal(Contact):
         """Put lanes on a side: drive, time and restitution become those of the side,
         and the peak is converted to its unit.
         """
-        lanes.peak[at] = self.converted(lanes.peak[at], lanes.side[at], side)
+        lanes.peak[at] = self.converted(
+            lanes.peak[at], lanes.side[at], side, lanes.cell[at]
+        )
         lanes.side[at] = side
         row, cell = cells.row(side), lanes.cell[at]
         lanes.amplitude[at], lanes.omega[at], lanes.eta[at] = (
             values[row, cell] for values in cells
         )
 
-    def converted(self, y: Array, side: Array, to: Array) -> Array:
+    def converted(self, y: Array, side: Array, to: Array, cell: Array) -> Array:
         if self.equation is None:
-            return y * (self._of(self.rotation, side) / self._of(self.rotation, to))
+            unit = self._of(self.rotation, side, cell)
+            return y * (unit / self._of(self.rotation, to, cell))
         known = np.isfinite(y)
         turned = self.equation.on(side).rotation(np.where(known, y, 0.0))
         return np.where(known, self.equation.on(to).displacement(turned), y)
 
     def speed(self, side: Array, rate: Array) -> Array:
-        return rate * self._of(self.pace, side)
+        return rate * np.where(side > 0.0, *self.pace)
 
     def impact(self, cells: Cells, lanes: Lanes, v: Array, b: Array) -> None:
         """Put lanes on the other edge, with its drive, time and unit."""
@@ -363,17 +370,55 @@ class Unequal(Contact):
         # b = -1 + a at y = 0; a changes its sign, and its unit becomes the uplift of
         # the other edge
         lanes.force = -1.0 - (1.0 + b) * (
-            self._of(self.drive, -lanes.side) / self._of(self.drive, lanes.side)
+            self._of(self.drive, -lanes.side, lanes.cell)
+            / self._of(self.drive, lanes.side, lanes.cell)
         )
         self.turn(cells, lanes, np.arange(lanes.side.size), -lanes.side)
 
     def other_side(self, lanes: Lanes) -> OtherSide:
         """Return the other edge, in units of this one."""
-        here, there = lanes.side, -lanes.side
+        here, there, cell = lanes.side, -lanes.side, lanes.cell
         drive, omega, rotation = (
-            self._of(pair, there) / self._of(pair, here)
+            self._of(pair, there, cell) / self._of(pair, here, cell)
             for pair in (self.drive, self.omega, self.rotation)
         )
         if self.equation is not None:  # an upper bound
             rotation = rotation * self.equation.spread
-        return OtherSide(drive, omega, lanes.eta, self._of(self.eta, there), rotation)
+        back = self._of(self.eta, there, cell)
+        return OtherSide(drive, omega, lanes.eta, back, rotation)
+
+
+class UnequalCells(Unequal):
+    """Two edges that differ, and that differ from cell to cell: each pair of numbers is
+    (right edges, left edges), (cells,) each. The bodies have one equation that takes
+    cells, in which |theta|/alpha is proportional to y.
+    """
+
+    def __post_init__(self) -> None:
+        """Accept the numbers, which are those of contacts that have been checked."""
+
+    @classmethod
+    def of(cls, contacts: Sequence[Unequal], counts: Sequence[int]) -> Self:
+        """Return the contact of so many cells of each body."""
+
+        def cells(name: str) -> Any:
+            pairs = np.array([getattr(contact, name) for contact in contacts])
+            right, left = np.repeat(pairs, counts, axis=0).T
+            return right, left
+
+        return cls(cells("drive"), cells("omega"), cells("eta"), cells("rotation"))
+
+    def _of(self, pair: tuple[Any, Any], side: Array, cell: Array) -> Array:
+        right, left = pair
+        return np.where(side > 0.0, right[cell], left[cell])
+
+    def cells(
+        self, equation: Equation, amplitude: Array, omega: Array, eta: Array
+    ) -> Cells:
+        """Return a row for each edge; the argument `eta` is ignored."""
+        drive, frequency, own = map(np.array, (self.drive, self.omega, self.eta))
+        return Cells(drive * amplitude, frequency * omega, own)
+
+    def speed(self, side: Array, rate: Array) -> Array:
+        """Refuse: lanes of several bodies have no common alpha and p."""
+        raise NotImplementedError("the speeds of several bodies with unequal edges")

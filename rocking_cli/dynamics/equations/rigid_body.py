@@ -33,7 +33,8 @@ class RigidBodyEquation(Equation):
     ----------
     alpha
         critical angle [rad], the two angles (right, left) if the edges differ, or an
-        array with one alpha for each cell, (cells,)
+        array with one alpha for each cell, (cells,), or with those of its right edge
+        and its left one, (2, cells)
     tolerance
         error of theta/alpha that the integration aims at [-]
     damping
@@ -69,11 +70,16 @@ class RigidBodyEquation(Equation):
         super().__init__(damping)
         self.order, self.tolerance = order_for(tolerance), tolerance
         self._by_cell = isinstance(alpha, np.ndarray)
-        kinds, which = np.unique(np.atleast_1d(alpha), return_inverse=True)
+        # number of cells if each has two edges, otherwise 0
+        self._two_edged = np.size(alpha) // 2 if np.ndim(alpha) == 2 else 0
+        kinds, which = np.unique(np.ravel(alpha), return_inverse=True)
         numbers = [_numbers(x) for x in kinds.tolist()]
-        # Of the cells, or of the right edge and the left.
+        # Of the cells, or of the right edge and the left; of all right edges first.
         each = {key: np.array([x[key] for x in numbers])[which] for key in numbers[0]}
-        if not self._by_cell:
+        if self._two_edged:
+            gain = each["gain"].reshape(2, -1)
+            gain[:] = gain.max(axis=0)
+        elif not self._by_cell:
             each["gain"][:] = each["gain"].max()
         self._take(
             each,
@@ -95,6 +101,7 @@ class RigidBodyEquation(Equation):
         there.order = self.order
         there.tolerance = self.tolerance
         there._by_cell = self._by_cell
+        there._two_edged = self._two_edged
         there._take(each, own)
         return there
 
@@ -108,7 +115,9 @@ class RigidBodyEquation(Equation):
 
     def on(self, side: Array, cell: Array | None = None) -> Self:
         if self._by_cell:
-            return self if cell is None else self._at(cell)
+            if cell is None:
+                return self
+            return self._at(cell + self._two_edged * (side < 0.0))
         return (
             self
             if len(self._each["alpha"]) == 1

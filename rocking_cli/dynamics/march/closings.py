@@ -14,7 +14,7 @@ from ..contacts.lasting_bounces import (
     stays_below_peak,
     too_many_impacts,
 )
-from ..drive import RemainingImpulse
+from ..impulse_bound import ImpulseBound
 from ..lanes import Array, Lanes
 from ..outcome import Outcome
 
@@ -137,8 +137,12 @@ def closings_of(batch: Batch, observed: bool) -> tuple[list[Closing], list[Closi
     segments, linear = batch.segments, batch.equation.bounded
     if batch.equation.damping:
         return DAMPED, []
-    if not batch.contact.alike or segments.weighed is not None:
+    if segments.weighed is not None:
         return [FREE_MOTION], []
+    # If only the outcome is wanted, lanes that cannot overturn any more end.
+    last = [] if observed or batch.peaks else _cannot_overturn(batch)
+    if not batch.contact.alike:
+        return [FREE_MOTION], last
     nearly_elastic = float(batch.cells.eta.max(initial=0.0)) > NEARLY_ELASTIC
     if observed:
         return [FREE_MOTION, *[TOO_MANY_IMPACTS] * nearly_elastic], []
@@ -148,20 +152,20 @@ def closings_of(batch: Batch, observed: bool) -> tuple[list[Closing], list[Closi
         *[BOUNCES_TO_END] * (nearly_elastic and segments.straight),
         *[TOO_MANY_IMPACTS] * nearly_elastic,
     ]
-    if (
-        batch.peaks
-        or not linear
-        or segments.straight
-        or segments.sign_changes > FEW_SIGN_CHANGES
-    ):
-        return early, []
-    # If only the outcome is wanted, lanes that cannot overturn any more end here
-    # (Lemma 9).
-    remaining = RemainingImpulse.of(segments)
-    return early, [
-        Closing(
-            lambda _, lanes: Closed(
-                np.flatnonzero(remaining.cannot_overturn(lanes)), Outcome.ROCKED, np.nan
-            )
-        )
-    ]
+    return early, last
+
+
+def _cannot_overturn(batch: Batch) -> list[Closing]:
+    """Return the closing by Lemma 9, none where it is not used: where an envelope also
+    looks at the number of impacts, and under records, where it closes no lane.
+    """
+    segments = batch.segments
+    if segments.straight or segments.sign_changes > FEW_SIGN_CHANGES:
+        return []
+    bound = ImpulseBound.of(batch.equation, batch.cells, segments)
+
+    def closes(batch: Batch, lanes: Lanes) -> Closed:
+        at = np.flatnonzero(bound.cannot_overturn(batch.cells, lanes))
+        return Closed(at, Outcome.ROCKED, np.nan)
+
+    return [Closing(closes)]

@@ -121,8 +121,9 @@ class MarchState:
     def _between(self, y: float, side: float, to: float) -> float:
         if side == to:
             return y
-        at = (np.array([x]) for x in (y, side, to))
-        return float(self.contact.converted(*at)[0])
+        own, here, there = (np.array([x]) for x in (y, side, to))
+        cell = np.zeros(1, dtype=np.int64)
+        return float(self.contact.converted(own, here, there, cell)[0])
 
     def _net(self, edge: LaneEdge, k: int, u: float) -> float:
         """The net drive c at phase u of segment k; 0 on the still ground after the

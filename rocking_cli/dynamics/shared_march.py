@@ -1,0 +1,83 @@
+"""Several structures under one motion, whose cells are marched together."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ..motions.motion import Motion
+from ..structures.parameters import RockingParameters
+from .lanes import Array
+from .method import Method
+from .response import Response, cheaper, response
+
+
+class SharedMarch:
+    """Structures under one motion; the cells of those that can share a system are
+    marched together.
+    """
+
+    def __init__(
+        self,
+        motion: Motion,
+        structures: Sequence[RockingParameters],
+        methods: Sequence[Method],
+    ) -> None:
+        self.motion, self.structures, self.methods = motion, structures, methods
+        self.eta = np.array([s.eta for s in structures])  # restitution of each [-]
+        # A of each up to which contact with the ground is proved [-], (structures,)
+        self.safe_amplitude = np.array(
+            [
+                method.system_of(s).safe_amplitude(motion)
+                for s, method in zip(structures, methods, strict=True)
+            ]
+        )
+        groups: dict[object, int] = {}
+        # number of the group of each structure that shares a march, (structures,)
+        self.group = np.array(
+            [
+                groups.setdefault(self._shared(s, method), len(groups))
+                for s, method in zip(structures, methods, strict=True)
+            ]
+        )
+
+    def _shared(self, structure: RockingParameters, method: Method) -> object:
+        """Return what the structures of one march have in common; under a vertical
+        motion also the ground acceleration of A = 1, with which the weight changes.
+        """
+        if self.motion.vertical is None:
+            return (method, *method.mixes(structure))
+        scale = structure.alpha / structure.a_scale
+        return (method, *method.shares(structure), scale)
+
+    def response(
+        self, which: Array, amplitude: Array, omega: Array, peaks: bool = True
+    ) -> tuple[Array, Array, Array]:
+        """Return (theta_ratio, outcome, impacts) of cells: structure `which` at this
+        amplitude A and Omega, (cells,) each; without peaks theta_ratio is NaN.
+        """
+        theta_ratio = np.full(which.size, np.nan)
+        outcome = np.zeros(which.size, dtype=np.uint8)
+        impacts = np.zeros(which.size, dtype=np.int32)
+        for number in np.unique(self.group[which]):
+            at = np.flatnonzero(self.group[which] == number)
+            at = at[np.argsort(which[at], kind="stable")]  # by structure
+            found = self._of_group(which[at], amplitude[at], omega[at], peaks)
+            theta_ratio[at], outcome[at] = found.theta_ratio, found.outcome
+            impacts[at] = found.impacts
+        return theta_ratio, outcome, impacts
+
+    def _of_group(
+        self, which: Array, amplitude: Array, omega: Array, peaks: bool
+    ) -> Response:
+        """Return the responses of cells of one group, which are in the order of their
+        structures.
+        """
+        own, counts = np.unique(which, return_counts=True)
+        structures = [self.structures[i] for i in own]
+        method = self.methods[own[0]]
+        system = method.system_of_cells(structures, counts.tolist())
+        if system.own and np.all(amplitude <= self.safe_amplitude[which]):
+            system = system._replace(own=())  # no body loses contact
+        how = cheaper(system, self.motion, which.size) if own.size == 1 else "arrays"
+        cells = (amplitude, omega, self.eta[which])
+        return response(system, self.motion, *cells, peaks=peaks, how=how)

@@ -1,0 +1,213 @@
+"""Every check of random bodies, by this package and by an older one: which outcomes
+and which capacities differ, and in which digit.
+
+`PYTHONPATH=tests python tests/bench/compare_checks.py --base DIR` takes turns with the
+package in DIR. The bodies are blocks, rigid bodies with unequal sides, frames,
+one-sided walls, spires, arches, tied walls and blocks that slide; the motions are two
+records, the record of `configs/motions` and pulses, some over a range of frequencies.
+`--cases` is their number, `--seed` the first of them, `--only` a pattern that the call
+must contain, such as `f-g [0-9.]+:` or `--motion`; `--kept FILE` is a file for the
+answers of the base, which a second comparison then reads.
+"""
+
+import argparse
+import json
+import math
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+from collections import Counter
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from support.synthetic_records import at2_file, far_shock, near_shock
+
+HERE = Path(__file__).resolve().parents[2]
+NUMBERS = ("first_overturning_a", "safe_to", "uplift_a", "theta_ratio", "worst_f_g")
+WORDS = ("outcome", "outcome_linear", "worst_f_g_end")
+# part of the lines on standard error that carries a verdict
+OPPOSITE = "the opposite direction"
+SAME = 15  # digits of equal numbers
+PULSES = ("sine", "cosine", "ricker-symmetric", "half-sine")
+
+
+class Case(NamedTuple):
+    """A call of `rocking check`."""
+
+    document: str  # the structure, as YAML
+    words: tuple[str, ...]  # the demand
+
+
+def body_of(kind: str, draw: np.random.Generator) -> tuple[str, float]:
+    """Return a random body of a kind as YAML, and about its least uplift over g."""
+    height = draw.uniform(1.0, 4.0)
+    slender = draw.uniform(0.15, 0.4)
+    width = slender * height
+    block = f"kind: block\nwidth: {width:.4f}\nheight: {height:.4f}\n"
+    facade = f"kind: wall\nthickness: {width:.4f}\nheight: {height:.4f}\n"
+    if kind == "block":
+        return block, slender
+    if kind == "slider":
+        return f"{block}friction: {draw.uniform(0.8, 1.3) * slender:.4f}\n", slender
+    if kind == "rigid":
+        left, right = (draw.uniform(0.7, 1.3) * 0.5 * width for _ in range(2))
+        mass_centre, gyration = 0.5 * height, draw.uniform(0.5, 0.7) * height
+        return (
+            f"kind: rigid\nleft: {left:.4f}\nright: {right:.4f}\n"
+            f"height: {mass_centre:.4f}\ngyration: {gyration:.4f}\n"
+        ), slender
+    if kind == "frame":
+        cap = draw.uniform(0.2, 1.5)
+        return (
+            f"kind: frame\ncolumns: 4\nwidth: {width:.4f}\nheight: {height:.4f}\n"
+            f"cap_ratio: {cap:.4f}\n"
+        ), slender
+    if kind == "one-sided":
+        return f"{facade}one_sided: true\n", slender
+    if kind == "spire":
+        radius = 0.4 * width
+        return (
+            f"kind: spire\nbase_radius: {radius:.4f}\nheight: {height:.4f}\n",
+            slender,
+        )
+    if kind == "arch":
+        thickness = draw.uniform(1.3, 1.7)
+        return (
+            "kind: arch\nradius: 10\nangle: 157.5 deg\nvoussoirs: 7\n"
+            f"thickness: {thickness:.4f}\n"
+        ), 0.35
+    weight, held = 9810.0 * width * height, draw.uniform(0.02, 0.2)
+    return (
+        f"{facade}one_sided: true\nmass: {weight / 9.81:.1f}\nties:\n"
+        f"  - {{height: {0.9 * height:.4f}, stiffness: {3e6 * width:.1f},"
+        f" yield: {held * weight:.1f}, ultimate: 0.3, side: right}}\n"
+    ), slender * (1.0 + held)
+
+
+KINDS = (
+    "block",
+    "rigid",
+    "frame",
+    "one-sided",
+    "spire",
+    "arch",
+    "tied",
+    "slider",
+)
+
+
+def cases(count: int, seed: int) -> list[Case]:
+    """Return so many random cases, each from a seed of its own."""
+    records = ("near.at2", "far.at2", "synthetic.at2")
+    found = []
+    for number in range(seed, seed + count):
+        draw = np.random.default_rng(number)
+        kind = KINDS[number % len(KINDS)]
+        document, lifts = body_of(kind, draw)
+        a_g = f"{draw.uniform(0.9, 3.0) * lifts:.4f}g"
+        frequency = draw.uniform(0.5, 2.0)
+        shaking: tuple[str, ...]
+        if draw.uniform() < 0.3:
+            record = records[draw.integers(len(records))]
+            shaking = ("--motion", record, "--scale-to", f"PGA={a_g}")
+        else:
+            name = PULSES[draw.integers(len(PULSES))]
+            ranged = draw.uniform() < 0.4 and kind != "slider"
+            last = f":{frequency * draw.uniform(1.2, 3.0):.3f}" if ranged else ""
+            shaking = ("--a-g", a_g, "--f-g", f"{frequency:.3f}{last}", "--pulse", name)
+            if ranged and draw.uniform() < 0.5:
+                shaking = (*shaking, "--verdict-only")
+        found.append(Case(document, shaking))
+    return found
+
+
+def answer(package: Path, case: Case, folder: Path) -> dict[str, Any]:
+    """Return the row of a case by the package that lies in a folder, or its error."""
+    done = subprocess.run(
+        [sys.executable, "-m", "rocking_cli", "check", "-", *case.words, "--json"],
+        check=False,
+        capture_output=True,
+        cwd=folder,
+        env={**os.environ, "PYTHONPATH": str(package)},
+        input=case.document,
+        text=True,
+    )
+    if done.returncode:
+        return {"error": done.stderr.strip().splitlines()[-1:]}
+    row = json.loads(done.stdout.splitlines()[0])
+    found = {key: row[key] for key in (*NUMBERS, *WORDS) if key in row}
+    lines = done.stderr.splitlines()
+    return {**found, "opposite": [line for line in lines if OPPOSITE in line]}
+
+
+def equal_digits(one: float | None, other: float | None) -> int:
+    """Return about the number of equal leading digits of two numbers."""
+    if one is None or other is None:
+        return SAME if one is other else 0
+    if one == other:
+        return SAME
+    apart = abs(one - other) / max(abs(one), abs(other))
+    return max(0, min(SAME, math.floor(-math.log10(apart))))
+
+
+def main() -> None:
+    options = argparse.ArgumentParser()
+    options.add_argument("--base", type=Path, required=True)
+    options.add_argument("--cases", type=int, default=200)
+    options.add_argument("--seed", type=int, default=0)
+    options.add_argument("--only", default="")
+    options.add_argument("--kept", type=Path)
+    chosen = options.parse_args()
+    kept: dict[str, Any] = {}
+    if chosen.kept is not None and chosen.kept.exists():
+        kept = json.loads(chosen.kept.read_text())
+    counts: dict[str, Counter[int]] = {key: Counter() for key in NUMBERS}
+    words, lower, higher, done = Counter[str](), 0, 0, 0
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        at2_file(folder / "far.at2", *far_shock())
+        at2_file(folder / "near.at2", *near_shock())
+        shutil.copy(HERE / "configs/motions/synthetic.at2", folder)
+        for number, case in enumerate(cases(chosen.cases, chosen.seed), chosen.seed):
+            if not re.search(chosen.only, f"{case.document} {' '.join(case.words)}"):
+                continue
+            key = json.dumps([case.document, *case.words])
+            if key not in kept:
+                kept[key] = answer(chosen.base.resolve(), case, folder)
+                if chosen.kept is not None:
+                    chosen.kept.write_text(json.dumps(kept))
+            base, here = kept[key], answer(HERE, case, folder)
+            done += 1
+            if "error" in base or "error" in here:
+                words["error"] += ("error" in base) != ("error" in here)
+                print(f"{number}: base {base}, here {here}", flush=True)
+                continue
+            both = base.keys() & here.keys()  # columns are younger than some packages
+            apart = [
+                k for k in (*WORDS, "opposite") if k in both and base[k] != here[k]
+            ]
+            words.update(apart)
+            digits = {k: equal_digits(base[k], here[k]) for k in NUMBERS if k in both}
+            for key, n in digits.items():
+                counts[key][n] += 1
+            was, now = (x.get("first_overturning_a") or math.inf for x in (base, here))
+            lower += now < was * (1.0 - 1e-6)
+            higher += now > was * (1.0 + 1e-6)
+            if apart or min(digits.values()) < 6:
+                kind = " ".join(case.document.split())
+                print(f"{number}: {kind} {' '.join(case.words)}", flush=True)
+                for key in (*apart, *(k for k, n in digits.items() if n < 6)):
+                    print(f"    {key}: base {base[key]}, here {here[key]}", flush=True)
+    print(f"{done} cases; words that differ: {dict(words) or 'none'}")
+    for key, found in counts.items():
+        shown = ", ".join(f"{n} in {found[n]}" for n in sorted(found, reverse=True))
+        print(f"{key}: equal digits: {shown} (15: all)")
+    print(f"capacities that are lower here: {lower}, higher here: {higher}")
+
+
+if __name__ == "__main__":
+    main()
