@@ -31,6 +31,8 @@ Steps = list[tuple[float, int]]  # (amplitude, outcome from there on), amplitude
 FINE_STEP = 0.999e-4
 _AROUND = 12  # points on either side of such a change that the finer scan includes
 _BATCH = 1 << 20  # cells of the scan computed together
+# points of a scan from which on it pays to prove the outcomes between some of them
+_MANY = 40_000
 _STRETCH = 80  # points computed together in a search for the first fall
 
 
@@ -210,7 +212,7 @@ class Search:
                 np.diff(np.clip(starts[top - 1 : bottom + 1], a, b)),
             )
             place = np.arange(a, b)
-            points = self._compute(
+            points = self._computed_or_proved(
                 row, self.grid.amplitude(place - starts[row] + first[row]), omegas
             )
             new = np.flatnonzero(place == starts[row])
@@ -222,6 +224,40 @@ class Search:
             )
             parts.append(self._changes(points, counted, omegas))
         return begins, Brackets.joined(parts)
+
+    def _computed_or_proved(
+        self, row: Array, amplitude: Array, omegas: Array
+    ) -> ScanPoints:
+        """As `_compute`, for points in the order of rows and amplitudes. Of many points
+        those between which Lemma 15 proves the outcome are not computed.
+        """
+        if row.size < _MANY:
+            return self._compute(row, amplitude, omegas)
+        from .stretches import Stretches, outcomes_of_stretches, proved_outcomes
+
+        if not Stretches.supports(self.system, self.motion):
+            return self._compute(row, amplitude, omegas)
+        label, first = proved_outcomes(
+            lambda row, ends: outcomes_of_stretches(
+                self.system, self.motion, self.eta, omegas[row], ends
+            ),
+            row,
+            amplitude,
+        )
+        impacts = np.zeros(row.size, dtype=np.int32)
+
+        # The points without a proof, and the first one of each stretch, which must have
+        # the outcome that was proved.
+        own = np.flatnonzero(first == np.arange(row.size))
+        found = self._compute(row[own], amplitude[own], omegas)
+        differs = np.zeros(row.size, dtype=bool)
+        differs[own] = (found.label != label[own]) | (found.impacts > 0)
+        label[own], impacts[own] = found.label, found.impacts
+        again = np.flatnonzero(differs[first] & (first != np.arange(row.size)))
+        if again.size:
+            found = self._compute(row[again], amplitude[again], omegas)
+            label[again], impacts[again] = found.label, found.impacts
+        return ScanPoints(row, amplitude, label, impacts)
 
     def _compute(self, row: Array, amplitude: Array, omegas: Array) -> ScanPoints:
         """Compute the outcomes at these amplitudes, batch by batch."""
