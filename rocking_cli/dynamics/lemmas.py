@@ -256,4 +256,27 @@ more than G, W never exceeds this value: up to the instant at which W reaches it
 bounds hold.
 Test `contacts/test_sequences.py::test_no_peak_is_above_the_ceiling`,
 `contacts/test_sequences.py::test_marching_on_under_a_record_finds_the_same_peak`.
+
+# Lemma 15 (one outcome of a stretch of amplitudes)
+
+Undamped body of Eq. 2.3, one cycle of a sine, which lifts the body in its first half at
+the least amplitude A_0 of a stretch of width d. Let y_0 be the path at A_0 without an
+impact, u the outward drive of A = 1, and S >= |sin z| for all paths. With
+
+    Z'' = (1 + A |u| tan(alpha) S) Z + |u|/cos(alpha)
+
+from the uplift of the largest amplitude on, every path without an impact has |y - y_0|
+<= d Z and |y' - y_0'| <= d Z'. If y_0 has no impact in the first half, no path of the
+stretch has one. None has an impact up to an instant of the second half at which d Z is
+below y_0, below y_0 at half the cycle, and below 1. Two bounds of y and two of y' then
+decide the outcome: by Lemma 6 at once, or by Lemma 8 when the shaking ends.
+Proof. The difference of two paths has |x''| <= (1 + A |u| tan(alpha) S) |x| + d
+|u|/cos(alpha), and a comparison gives the bounds. In the first half u >= 0, and y''
+grows with A and, up to theta = alpha, with y: so y grows with A, and beyond alpha no
+path turns back. In the second half y'' < 0 below alpha, so y_0 is nowhere below the
+least of the three values. Where another path first came to the ground d Z would be at
+least y_0, but it never falls. To overturn is monotone in y and in y', and so is the
+energy of a body that moves back, on either side of alpha.
+Test `tests/envelopes/test_stretches.py::test_what_is_proved_is_what_the_march_finds`,
+`tests/envelopes/test_stretches.py::test_no_path_is_farther_away_than_the_bound`.
 """

@@ -11,7 +11,7 @@ amplitude above one that overturns without impact does so too.
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -25,9 +25,6 @@ from ..motions import Motion
 from .amplitudes import LONGEST_FINE, ScanGrid
 from .changes import SECTIONS, Brackets, narrowed
 
-if TYPE_CHECKING:
-    from .scan import Scan
-
 Array = np.ndarray
 Steps = list[tuple[float, int]]  # (amplitude, outcome from there on), amplitudes rising
 
@@ -36,7 +33,8 @@ Steps = list[tuple[float, int]]  # (amplitude, outcome from there on), amplitude
 FINE_STEP = 0.999e-4
 AROUND = 12  # points on either side of such a change that the finer scan includes
 _BATCH = 1 << 20  # cells of the scan computed together
-_SCAN_WIDTH = 1e-6  # relative width to which an approximate scan finds changes
+# points of a scan from which on it pays to prove the outcomes between some of them
+_MANY = 40_000
 _STRETCH = 80  # points computed together in a search for the first fall
 
 
@@ -114,62 +112,15 @@ class Search:
         found = response(
             self.system, self.motion, amplitude, omega, self.eta, peaks=False
         )
-        return _lifted(found.outcome), found.impacts
+        return lifted(found.outcome), found.impacts
 
     def rows(self, omegas: Array) -> list[Steps]:
         """For each Omega the outcome at the amplitude `lowest` and at every change
         above it. Changes are traced to the relative width `digits`; intervals narrower
         than the step of the scan may be missed.
         """
-        from .scan import Scan
-
-        if (
-            self.ratio
-            and self.digits >= _SCAN_WIDTH
-            and Scan.supports(self.system, self.motion)
-        ):
-            scans = [
-                Scan(self.system, self.motion, w, self.eta) for w in omegas.tolist()
-            ]
-            return self._steps(*self._scanned_first(omegas, scans))
         begins, brackets = self._scan(omegas)
         return self._steps(begins, self._narrowed(omegas, brackets))
-
-    def _scanned_first(
-        self, omegas: Array, scans: "list[Scan]"
-    ) -> tuple[Array, Brackets]:
-        """As `_scan` and `_narrowed`, under a record. The march computes the amplitudes
-        of the scan grid, and both sides of every change that the approximate scan of a
-        row finds; other changes are bisected.
-        """
-        from .scan import changes_by_scan
-
-        def by_march(amplitude: Array, row: Array) -> Array:
-            return _lifted(
-                response(
-                    self.system,
-                    self.motion,
-                    amplitude,
-                    omegas[row],
-                    self.eta,
-                    peaks=False,
-                    how="floats",
-                ).outcome
-            )
-
-        all_rows = np.arange(omegas.size)
-        grid = self.grid.amplitude(np.arange(self.grid.size))
-        scanned = changes_by_scan(scans, grid, self.digits, self.parts)
-        row = np.concatenate([np.repeat(all_rows, grid.size), scanned.row, scanned.row])
-        amplitude = np.concatenate(
-            [np.tile(grid, omegas.size), scanned.low, scanned.high]
-        )
-        order = np.lexsort((amplitude, row))
-        row, amplitude, label, _ = self._compute(row[order], amplitude[order], omegas)
-        found = narrowed(
-            by_march, Brackets.between(row, amplitude, label), self.digits, 2, False
-        )
-        return label[np.searchsorted(row, all_rows)], found
 
     def _steps(self, begins: Array, found: Brackets) -> list[Steps]:
         """Return the outcome of each row at `lowest` and above every change found."""
@@ -259,7 +210,7 @@ class Search:
                 np.diff(np.clip(starts[top - 1 : bottom + 1], a, b)),
             )
             place = np.arange(a, b)
-            points = self._compute(
+            points = self._computed_or_proved(
                 row, self.grid.amplitude(place - starts[row] + first[row]), omegas
             )
             new = np.flatnonzero(place == starts[row])
@@ -271,6 +222,40 @@ class Search:
             )
             parts.append(self._changes(points, counted, omegas))
         return begins, Brackets.joined(parts)
+
+    def _computed_or_proved(
+        self, row: Array, amplitude: Array, omegas: Array
+    ) -> ScanPoints:
+        """As `_compute`, for points in the order of rows and amplitudes. Of many points
+        those between which Lemma 15 proves the outcome are not computed.
+        """
+        if row.size < _MANY:
+            return self._compute(row, amplitude, omegas)
+        from .stretches import Stretches, outcomes_of_stretches, proved_outcomes
+
+        if not Stretches.supports(self.system, self.motion):
+            return self._compute(row, amplitude, omegas)
+        label, first = proved_outcomes(
+            lambda row, ends: outcomes_of_stretches(
+                self.system, self.motion, self.eta, omegas[row], ends
+            ),
+            row,
+            amplitude,
+        )
+        impacts = np.zeros(row.size, dtype=np.int32)
+
+        # The points without a proof, and the first one of each stretch, which must have
+        # the outcome that was proved.
+        own = np.flatnonzero(first == np.arange(row.size))
+        found = self._compute(row[own], amplitude[own], omegas)
+        differs = np.zeros(row.size, dtype=bool)
+        differs[own] = (found.label != label[own]) | (found.impacts > 0)
+        label[own], impacts[own] = found.label, found.impacts
+        again = np.flatnonzero(differs[first] & (first != np.arange(row.size)))
+        if again.size:
+            found = self._compute(row[again], amplitude[again], omegas)
+            label[again], impacts[again] = found.label, found.impacts
+        return ScanPoints(row, amplitude, label, impacts)
 
     def _compute(self, row: Array, amplitude: Array, omegas: Array) -> ScanPoints:
         """Compute the outcomes at these amplitudes, batch by batch."""
@@ -394,7 +379,7 @@ class Search:
         )
 
 
-def _lifted(outcome: Array) -> Array:
+def lifted(outcome: Array) -> Array:
     """The outcomes, with ROCKED in place of NO_UPLIFT."""
     return np.where(outcome == Outcome.NO_UPLIFT, np.uint8(Outcome.ROCKED), outcome)
 

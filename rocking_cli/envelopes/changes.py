@@ -48,14 +48,17 @@ def narrowed(
     digits: float,
     parts: int,
     lowest: bool,
+    later: int | None = None,
 ) -> Brackets:
     """Return the brackets narrowed to a relative width of `digits`. outcome: function
     from amplitudes and rows, of shapes that broadcast, to outcomes; parts: parts of a
-    bracket in one cut. The first cut keeps every change that it uncovers, unless a row
-    has too many; if `lowest`, it keeps the lowest change of each bracket. Later cuts
-    keep a chain of changes from the outcome below to the outcome above.
+    bracket in the first cut; later: those of each later one, by default as many, up to
+    16. The first cut keeps every change that it uncovers, unless a row has too many; if
+    `lowest`, it keeps the lowest change of each bracket. Later cuts keep a chain of
+    changes from the outcome below to the outcome above.
     """
     done, first = [], True
+    later = later or min(parts, _PARTS_OF_MANY)
     while True:
         low, high = brackets.low, brackets.high
         middle = 0.5 * (low + high)
@@ -65,7 +68,7 @@ def narrowed(
         if not brackets.row.size:
             return Brackets.joined(done)
         # Compute the outcome at equal parts of each bracket.
-        count = parts if first or lowest else min(parts, _PARTS_OF_MANY)
+        count = parts if first or lowest else later
         share = np.arange(1, count) / count
         inner = brackets.low[:, None] + (brackets.high - brackets.low)[:, None] * share
         points = np.column_stack([brackets.low, inner, brackets.high])

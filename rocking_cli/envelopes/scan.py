@@ -32,6 +32,10 @@ _SHARE, _MORE = 1.05, 0.03
 # to 0.02, the lines of some records moved boundaries by 1e-3 of the amplitude.
 _LONGEST, _JOINED = 0.06, 0.015
 
+# Parts of a bracket in a cut after the first: 16 * 18^2 parts of a step of 5e-3 are
+# narrower than 1e-6.
+_LATER_PARTS = 18
+
 # Lines up to `_JOINED` need less: of 1,200 outcomes 2 or 3 differ.
 _OF_SHORT, _OF_LONG = Accuracy(4, 2), Accuracy(6, 4)
 
@@ -56,8 +60,15 @@ class Scan(Followed):
     """One body under one record at one Omega, followed approximately."""
 
     def __init__(
-        self, system: System, motion: Motion, omega: float, eta: float
+        self,
+        system: System,
+        motion: Motion,
+        omega: float,
+        eta: float,
+        *,
+        closely: bool = False,
     ) -> None:
+        """closely: True to follow short lines as accurately as long ones."""
         self.lane = lane = Lane(system, system.segments(motion.coarsest), omega, eta)
         self.edges = list(lane.edges(1.0).values())
         # Lines as long as a sample, or as `_JOINED` or `_LONGEST` allow.
@@ -65,7 +76,7 @@ class Scan(Followed):
         sample = float(lane.segments.length[:].max()) / tau
         line = _LONGEST if sample > _LONGEST else max(sample, _JOINED)
         self.lines = record_lines(lane.segments, line * tau)
-        self.accuracy = _OF_LONG if line > _JOINED else _OF_SHORT
+        self.accuracy = _OF_LONG if closely or line > _JOINED else _OF_SHORT
         self.motion = motion
         # bodies with equal kinds can be followed together
         self.kind = (
@@ -172,10 +183,11 @@ def follow(
 
 
 def changes_by_scan(
-    scans: Sequence[Scan], grid: Array, digits: float, parts: int
+    scans: Sequence[Scan], grids: Sequence[Array], digits: float, parts: int
 ) -> Brackets:
-    """The changes of the outcome between neighbouring amplitudes of a grid, for each
-    body a row, narrowed to the relative width `digits` by sections of `parts`.
+    """The changes of the outcome between neighbouring amplitudes of the grid of each
+    body, for each body a row, narrowed to the relative width `digits` by sections;
+    parts: those of the first cut.
     """
 
     def by_scan(amplitude: Array, row: Array) -> Array:
@@ -187,7 +199,7 @@ def changes_by_scan(
             label[some] = scan.outcomes(amplitude[some])
         return label
 
-    row = np.repeat(np.arange(len(scans)), grid.size)
-    amplitude = np.tile(grid, len(scans))
+    row = np.repeat(np.arange(len(scans)), [grid.size for grid in grids])
+    amplitude = np.concatenate(grids)
     scanned = Brackets.between(row, amplitude, by_scan(amplitude, row))
-    return narrowed(by_scan, scanned, digits, parts, False)
+    return narrowed(by_scan, scanned, digits, parts, False, _LATER_PARTS)

@@ -2,6 +2,7 @@
 or at every intensity up to the highest level.
 """
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
@@ -13,14 +14,16 @@ import numpy as np
 from ..dynamics.method import Method
 from ..dynamics.outcome import Outcome, falls
 from ..dynamics.response import response
+from ..dynamics.system import System
 from ..envelopes.amplitudes import LONGEST_FINE
-from ..envelopes.boundaries import Search
+from ..envelopes.boundaries import Search, Steps
 from ..envelopes.capacity import RATIO, tracing_width
 from ..envelopes.intervals import in_turn
+from ..envelopes.record_changes import RecordSearch, steps_under_records
 from ..errors import UsageError
 from ..motions.grid import Axis
 from ..motions.intensity_measures import Measure
-from ..processes import available_cpus
+from ..processes import available_cpus, part_reporter
 from ..spectra.sweep import SweepOptions, spectrum_of, write_scene
 from ..structures.friction import friction_that_slides
 from ..structures.parameters import RockingParameters
@@ -29,7 +32,11 @@ from .measures import MotionMember
 
 Array = np.ndarray
 Interval = tuple[float, float]
-Progress = Callable[[int, int], None]
+Task = tuple[int, int]  # indices of a structure and a motion
+Progress = Callable[[float, int], None]
+
+_TOGETHER = 24  # searches that share a scan, at most
+_LAST = 0.01  # of a search, which counts when it has come from its process
 
 
 @dataclass(frozen=True, eq=False)
@@ -256,52 +263,128 @@ def as_recorded(structure: RockingParameters, motions: MotionSet) -> Exposure:
 
 
 def traced(
-    structure: RockingParameters,
+    structures: Sequence[RockingParameters],
     motions: MotionSet,
     workers: int | None = None,
     progress: Progress | None = None,
-) -> list[list[Interval]]:
-    """Return for each motion the intervals of the measure (SI) that overturn the
-    structure, up to the highest level; the end of one that goes on beyond it is
-    infinite. Under records intervals narrower than 0.5 % may be missed.
+) -> list[list[list[Interval]]]:
+    """Return for each structure and motion the intervals of the measure (SI) that
+    overturn the structure, up to the highest level; the end of one that goes on beyond
+    it is infinite. Under records intervals narrower than 0.5 % may be missed. progress:
+    called with the number of searches that are done, of which a part counts as a
+    fraction, and of all.
     """
-    workers = min(
-        workers or (available_cpus() if motions.of_records else 1), len(motions.members)
-    )
-    found = []
-    for intervals in in_turn(
-        partial(_trace, structure, motions), motions.members, workers
-    ):
-        found.append(intervals)
+    tasks = [
+        (i, k)
+        for i, structure in enumerate(structures)
+        if friction_that_slides(structure) is None  # others never overturn
+        for k in range(len(motions.members))
+    ]
+    found: list[list[list[Interval]]] = [
+        [[] for _ in motions.members] for _ in structures
+    ]
+    if not tasks:
+        return found
+    workers = workers or (available_cpus() if motions.of_records else 1)
+    workers = min(workers, len(tasks))
+    done = known = 0.0
+
+    def tell(reported: float) -> None:
+        nonlocal known
+        known = max(known, reported)
         if progress is not None:
-            progress(len(found), len(motions.members))
+            progress(known, len(tasks))
+
+    search = partial(
+        _traced_together,
+        structures,
+        motions,
+        (lambda part: tell(done + part)) if workers == 1 else None,
+    )
+    shares = _shares(motions, tasks, workers)
+    several = None if workers == 1 else lambda sum_: tell(min(sum_, len(tasks) - _LAST))
+    for share, intervals in zip(
+        shares, in_turn(search, shares, workers, several), strict=True
+    ):
+        for (i, k), own in zip(share, intervals, strict=True):
+            found[i][k] = own
+        done += len(share)
+        tell(done)
     return found
 
 
-def _trace(
-    structure: RockingParameters, motions: MotionSet, member: MotionMember
-) -> list[Interval]:
-    """Return the intervals of the measure [SI] in which one motion overturns a
-    structure, up to the last level; the last one may be open.
+def _shares(
+    motions: MotionSet, tasks: Sequence[Task], workers: int
+) -> list[Sequence[Task]]:
+    """Return the searches that go together: each under a pulse by itself; those under
+    records in shares of equal size, with as long records in each.
     """
-    if friction_that_slides(structure) is not None:
-        return []  # it never overturns
-    unit, method = motions.unit(structure, member), motions.method
+    if not motions.of_records:
+        return [[task] for task in tasks]
+    count = workers * math.ceil(len(tasks) / (workers * _TOGETHER))
+    length = [len(member.motion.segments) for member in motions.members]
+    by_length = sorted(tasks, key=lambda task: length[task[1]])
+    return [by_length[n::count] for n in range(count)]
+
+
+def _traced_together(
+    structures: Sequence[RockingParameters],
+    motions: MotionSet,
+    tell: Callable[[float], None] | None,
+    tasks: Sequence[Task],
+) -> list[list[Interval]]:
+    """Return the intervals of the measure [SI] that each of these searches finds. tell:
+    called with the number of searches that are done, None in a worker process.
+    """
+    told = tell or part_reporter()
+    systems = {i: motions.method.system_of(structures[i]) for i, _ in tasks}
+    asked, units = [], []
+    for i, k in tasks:
+        structure, member = structures[i], motions.members[k]
+        units.append(motions.unit(structure, member))
+        search = _search(structure, systems[i], motions, member, units[-1])
+        omega = member.omega / structure.p
+        asked.append(RecordSearch(structure, motions.method, search, omega))
+    # Motions that do not lift the body up to the last level need no search.
+    lifting = [n for n, (*_, one, _) in enumerate(asked) if one.lowest < one.a_max]
+    steps = steps_under_records(
+        [asked[n] for n in lifting], lambda share: told(len(tasks) * share)
+    )
+    found: list[list[Interval]] = [[] for _ in tasks]
+    for n, own in zip(lifting, steps, strict=True):
+        found[n] = _intervals(own, units[n], motions.measure.power)
+    told(float(len(tasks)))
+    return found
+
+
+def _search(
+    structure: RockingParameters,
+    system: System,
+    motions: MotionSet,
+    member: MotionMember,
+    unit: float,
+) -> Search:
+    """Return the search up to the last level under a motion; unit: its A at which the
+    measure is 1.
+    """
     long = len(member.motion.segments) > LONGEST_FINE
-    search = Search(
-        method.system_of(structure),
+    return Search(
+        system,
         member.motion,
         structure.eta,
         unit * float(motions.levels[-1]) ** (1.0 / motions.measure.power),
         ratio=RATIO if long else 0.0,
-        digits=tracing_width(method, member.motion),
+        digits=tracing_width(motions.method, member.motion),
         parts=16,
     )
-    if not search.lowest < search.a_max:
-        return []
-    (steps,) = search.rows(np.array([member.omega / structure.p]))
+
+
+def _intervals(steps: Steps, unit: float, power: float) -> list[Interval]:
+    """Return the intervals of the measure [SI] in which a body falls, from its outcomes
+    along the amplitude; unit: A at which the measure is 1.
+    """
     runs = [
-        (down, (next(run)[0] / unit) ** motions.measure.power)
+        (down, (next(run)[0] / unit) ** power)
         for down, run in groupby(steps, key=lambda step: Outcome(step[1]).falls)
     ]
     return [

@@ -428,23 +428,32 @@ def studies(
     unit; draws: their number for each motion and their seed, of structures whose
     numbers have spreads.
     """
+    structures = list(structures)
     found = exposures(
         structures, motions, path, replace(sweep, progress=line("fragility", "chunks"))
     )
-    for number, (s, exposure) in enumerate(zip(structures, found, strict=False), 1):
-        label = (
-            s.name
-            if len(structures) == 1
-            else f"{s.name}, {number} of {len(structures)}"
+    if not found:
+        return
+    every: list[Sequence[Sequence[Interval]] | None] = [None] * len(structures)
+    if exact or "first" in methods:
+        several = len(structures) > 1
+        told = (
+            line(f"{len(structures)} structures", "searches")
+            if several
+            else line(structures[0].name, "motions")
         )
-        intervals = (
-            traced(s, motions, sweep.workers, line(label, "motions"))
-            if exact or "first" in methods
-            else None
-        )
+        every = list(traced(structures, motions, sweep.workers, told))
+    for number, (s, exposure, intervals) in enumerate(
+        zip(structures, found, every, strict=True), 1
+    ):
         recorded = as_recorded(s, motions) if "cloud" in methods else None
         drawn = None
         if draws is not None and s.drawn_from is not None:
+            label = (
+                s.name
+                if len(structures) == 1
+                else f"{s.name}, {number} of {len(structures)}"
+            )
             drawn = drawn_exposure(s, motions, *draws, line(label, "motions"))
         yield Study(s, motions, how, exposure, intervals, recorded, hazard, drawn)
 

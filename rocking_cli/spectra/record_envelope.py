@@ -29,6 +29,7 @@ from ..envelopes.intervals import (
     structure_intervals,
     worse,
 )
+from ..envelopes.record_changes import RecordSearch, steps_under_records
 from ..errors import UsageError
 from ..motions import Motion
 from ..motions.given import AnyMotion, read_if_named
@@ -124,7 +125,16 @@ class Tracing:
                 parts=_PARTS,
             )
             if search.lowest < most:
-                rows = search.first_falls(omegas) if self.first else search.rows(omegas)
+                rows = (
+                    search.first_falls(omegas)
+                    if self.first
+                    else steps_under_records(
+                        [
+                            RecordSearch(structure, self.scene.method, search, omega)
+                            for omega in omegas.tolist()
+                        ]
+                    )
+                )
                 found = [
                     worse(known, steps)
                     for known, steps in zip(found, rows, strict=True)

@@ -57,7 +57,8 @@ RECORDS = members_of([record(n) for n in range(3)])
 
 @pytest.mark.slow
 def test_intervals_of_pulses_are_those_of_the_envelope():
-    found = traced(BLOCK, MotionSet(PULSES, MEASURES["PGA"], np.array([12.0]), LINEAR))
+    motions = MotionSet(PULSES, MEASURES["PGA"], np.array([12.0]), LINEAR)
+    (found,) = traced([BLOCK], motions)
     for member, intervals in zip(PULSES, found, strict=True):
         top = float(BLOCK.dimensionless_amplitude(12.0))
         wanted = trace_envelope(BLOCK, sine(), [member.omega / BLOCK.p], a_max=top)
@@ -93,7 +94,7 @@ def test_cells_lie_in_the_traced_intervals_and_shares_are_those_of_the_cells(
         * middle
     )
     motions = MotionSet(members, measure, levels, LINEAR)
-    (found,), intervals = exposures([BLOCK], motions), traced(BLOCK, motions)
+    (found,), (intervals,) = exposures([BLOCK], motions), traced([BLOCK], motions)
     falls, known = found.beyond(None)
     assert known.all()
     assert 0 < falls.sum() < falls.size
@@ -202,7 +203,7 @@ def test_what_leaves_the_ground_passes_every_limit():
     assert [found.beyond(limit)[0].tolist() for limit in (None, 0.1)] == [
         [[False, True]]
     ] * 2
-    ((first, *_),) = traced(body, motions)
+    (((first, *_),),) = traced([body], motions)
     assert 1.0 < first[0] / body.ground_acceleration(1.0) < 1.6
 
 

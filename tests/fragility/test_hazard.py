@@ -123,7 +123,7 @@ def study(samples=200):
         motions,
         Resampling(samples),
         Exposure(cells, cells + 2),
-        traced(body, motions),
+        traced([body], motions)[0],
         hazard=POINTS,
     )
 

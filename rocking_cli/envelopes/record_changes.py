@@ -1,0 +1,216 @@
+"""Changes of the outcome along the amplitude A under records, for many bodies and
+records together.
+
+An approximate scan of all bodies finds the changes between the amplitudes of their
+grids. The march then computes every amplitude of the grids and both sides of each
+change, those of all bodies in one run where it can. A change that the march does not
+find there is bisected. No number depends on the bodies that are searched together.
+"""
+
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from ..dynamics.method import Method
+from ..dynamics.outcome import Outcome
+from ..dynamics.response import (
+    cells_that_lose_contact,
+    chains,
+    response,
+    response_under_records,
+)
+from ..structures.parameters import RockingParameters
+from .boundaries import Search, Steps, lifted
+from .changes import Brackets, narrowed
+from .scan import Scan, changes_by_scan, follow
+
+Array = np.ndarray
+
+_SCAN_WIDTH = 1e-6  # relative width to which an approximate scan finds changes
+# shares of the work that are done after the scan of the grids, after the changes
+# between them are narrowed, and after the march of both
+_DONE = 0.1, 0.5, 0.9
+
+
+class RecordSearch(NamedTuple):
+    """A search under a record for the changes of the outcome of one body."""
+
+    structure: RockingParameters  # the body
+    method: Method  # its equation of motion
+    search: Search  # its system, the record and the amplitudes
+    omega: float  # Omega = 1/p [s/rad]
+
+    @property
+    def run(self) -> object:
+        """What the searches of one run have in common: nothing for plain bodies whose
+        equation takes cells of several alphas.
+        """
+        kind = self.method.kind_of(self.structure)
+        if self.structure.plain and kind.of_cells is not None:
+            return None
+        return self.method.shares(self.structure)
+
+
+def steps_under_records(
+    asked: Sequence[RecordSearch],
+    progress: Callable[[float], None] = lambda share: None,
+) -> list[Steps]:
+    """For each search the outcome at its lowest amplitude and at every change above it,
+    as `Search.rows`; progress: called now and then with the share that is done.
+    """
+    found: list[Steps] = [[] for _ in asked]
+    shared = [i for i, one in enumerate(asked) if _can_be_scanned(one.search)]
+    for i, one in enumerate(asked):
+        if i not in shared:
+            (found[i],) = one.search.rows(np.array([one.omega]))
+    if shared:
+        steps = _scanned_first([asked[i] for i in shared], progress)
+        for i, own in zip(shared, steps, strict=True):
+            found[i] = own
+    return found
+
+
+def _can_be_scanned(search: Search) -> bool:
+    """True if an approximate scan can find the changes of a search."""
+    return (
+        search.ratio > 0.0
+        and search.digits >= _SCAN_WIDTH
+        and Scan.supports(search.system, search.motion)
+    )
+
+
+def _scanned_first(
+    asked: Sequence[RecordSearch], progress: Callable[[float], None]
+) -> list[Steps]:
+    """`steps_under_records` of searches that can be scanned."""
+    # The scan: the grids, and the changes between their amplitudes.
+    scans = [
+        Scan(search.system, search.motion, omega, search.eta, closely=True)
+        for *_, search, omega in asked
+    ]
+    grids = [
+        one.search.grid.amplitude(np.arange(one.search.grid.size)) for one in asked
+    ]
+    digits = max(one.search.digits for one in asked)
+    parts = max(one.search.parts for one in asked)
+    follow(scans, grids, lambda share: progress(_DONE[0] * share))
+    scanned = changes_by_scan(scans, grids, digits, parts)
+    progress(_DONE[1])
+
+    # The march: the grids, and both sides of each change.
+    rows = np.arange(len(asked))
+    row = np.concatenate(
+        [np.repeat(rows, [grid.size for grid in grids]), scanned.row, scanned.row]
+    )
+    amplitude = np.concatenate([*grids, scanned.low, scanned.high])
+    order = np.lexsort((amplitude, row))
+    row, amplitude = row[order], amplitude[order]
+    label = _marched(asked, row, amplitude)
+    progress(_DONE[2])
+
+    # Changes that the march does not find where the scan has seen them.
+    found = narrowed(
+        lambda amplitude, row: _one_by_one(asked, row, amplitude),
+        Brackets.between(row, amplitude, label),
+        digits,
+        2,
+        False,
+    )
+    begins = label[np.searchsorted(row, rows)]
+    return [
+        _steps(one.search.lowest, int(begin), found, i)
+        for i, (one, begin) in enumerate(zip(asked, begins, strict=True))
+    ]
+
+
+def _one_by_one(asked: Sequence[RecordSearch], row: Array, amplitude: Array) -> Array:
+    """The outcomes of these searches at these amplitudes, in the shape of the
+    amplitudes, by the march on floats.
+    """
+    row = np.broadcast_to(row, amplitude.shape)
+    label = np.empty(row.shape, dtype=np.uint8)
+    for i in np.unique(row).tolist():
+        label[row == i] = _outcomes(asked[i], amplitude[row == i], "floats")
+    return label
+
+
+def _marched(asked: Sequence[RecordSearch], row: Array, amplitude: Array) -> Array:
+    """The outcomes of these searches at these amplitudes, (amplitudes,), whose rows
+    rise.
+    """
+    label = np.empty(row.size, dtype=np.uint8)
+    runs: dict[object, list[int]] = {}
+    for i, one in enumerate(asked):
+        together = chains(one.search.system, one.search.motion)
+        runs.setdefault((one.run,) if together else i, []).append(i)
+    for own in runs.values():
+        at = np.flatnonzero(np.isin(row, own))
+        if len(own) == 1:
+            label[at] = _outcomes(asked[own[0]], amplitude[at], "arrays")
+            continue
+        of = np.searchsorted(own, row[at])
+        label[at] = _in_one_run([asked[i] for i in own], of, amplitude[at])
+    return label
+
+
+def _in_one_run(asked: Sequence[RecordSearch], of: Array, amplitude: Array) -> Array:
+    """The outcomes of searches that can share a run, (amplitudes,); of: the search of
+    each amplitude, rising.
+    """
+    counts = np.bincount(of, minlength=len(asked)).tolist()
+    structures = [one.structure for one in asked]
+    system = (
+        asked[0].method.system_of_cells(structures, counts)._replace(body=None, own=())
+    )
+    motions = list({id(one.search.motion): one.search.motion for one in asked}.values())
+    numbers = {id(motion): number for number, motion in enumerate(motions)}
+    which, omega, eta, alpha = (
+        np.repeat(of_each, counts)
+        for of_each in (
+            [numbers[id(one.search.motion)] for one in asked],
+            [one.omega for one in asked],
+            [one.search.eta for one in asked],
+            [one.structure.alpha for one in asked],
+        )
+    )
+    got, rate = response_under_records(system, motions, which, amplitude, omega, eta)
+
+    # Each body by its own forces on the ground.
+    outcome = got.outcome
+    for i, one in enumerate(asked):
+        at = np.flatnonzero(of == i)
+        lost = cells_that_lose_contact(
+            one.search.system,
+            one.search.motion,
+            (amplitude[at], omega[at], eta[at]),
+            outcome[at] == Outcome.ROCKED,
+            got.theta_ratio[at],
+            rate[at] * alpha[at],
+        )
+        outcome[at[lost]] = Outcome.LOST_CONTACT
+    return lifted(outcome)
+
+
+def _outcomes(one: RecordSearch, amplitude: Array, how: str) -> Array:
+    """The outcomes of one search at these amplitudes."""
+    search = one.search
+    return lifted(
+        response(
+            search.system,
+            search.motion,
+            amplitude,
+            one.omega,
+            search.eta,
+            peaks=False,
+            how=how,
+        ).outcome
+    )
+
+
+def _steps(lowest: float, begin: int, found: Brackets, row: int) -> Steps:
+    """The outcome of a row at its lowest amplitude and above every change found."""
+    own = found.take(np.flatnonzero(found.row == row))
+    order = np.argsort(own.high, kind="stable")
+    changes = zip(own.high[order].tolist(), own.above[order].tolist(), strict=True)
+    return [(lowest, begin), *changes]

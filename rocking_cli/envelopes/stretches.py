@@ -1,0 +1,407 @@
+"""Stretches of amplitudes A with one outcome under one cycle of a sine (Lemma 15).
+
+The path of the least amplitude of a stretch and a bound of the distance to those of the
+others decide the outcome of all, if the body has no impact before the shaking ends. The
+scan of an envelope then computes the least amplitude alone.
+"""
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+
+from ..dynamics.contacts.contact import FreeMotion, Symmetric, Unequal
+from ..dynamics.equations.rigid_body import RigidBodyEquation
+from ..dynamics.lanes import Lanes
+from ..dynamics.outcome import Outcome
+from ..dynamics.system import System
+from ..motions import Motion, sine
+
+Array = np.ndarray
+
+UNKNOWN = int(Outcome.NOT_COMPUTED)
+_SLOWEST = 1.0  # least Omega for which a proof is tried
+# From an Omega on, the number of steps of the integration over half a cycle
+_STEPS = {_SLOWEST: 96, 4.0: 32}
+_LONGEST = 0.1  # longest step, over the time in which a distance may grow e-fold
+# What the integration may be off, over 1 + Z, in y and in y': 15 times the largest
+# error that was found, for alpha from 0.05 to 0.6, Omega to 15 and A to 100
+_ERROR = 2e-4
+_LOOKS = 8  # times in half a cycle that contact is looked at
+_WIDEST, _NARROWEST = 512, 32  # points of a stretch
+# Up to `_NEAR` times the y of the equilibrium a step takes |theta - alpha| <= alpha,
+# which holds if it ends below `_BOUNDED` times this y.
+_NEAR, _BOUNDED = 1.7, 1.9
+
+
+class _Path(NamedTuple):
+    """A body and the bound of its neighbours. Every array is (stretches,)."""
+
+    y: Array  # displacement of the least amplitude, in the unit of its side
+    v: Array  # y'
+    z: Array  # bound of |dy/dA|, A over that of uplift
+    w: Array  # bound of |dy'/dA|
+
+
+class _Distance(NamedTuple):
+    """How far all bodies of a stretch are from its path. Every array is
+    (stretches,).
+    """
+
+    y: Array  # bound of the distance of y
+    v: Array  # bound of the distance of y'
+
+
+class _Course(NamedTuple):
+    """What is known of all bodies of a stretch so far. Every array is (stretches,)."""
+
+    highest: Array  # bound of y
+    fastest: Array  # bound of |y'| in the last few steps
+    push: Array  # largest |s| in the last few steps
+    half: Array  # y of the path after half a cycle, infinite before
+    kept: Array  # True if none has lost the ground
+
+    @classmethod
+    def of(cls, size: int) -> "_Course":
+        """The course of bodies at rest."""
+        return cls(
+            np.zeros(size),
+            np.zeros(size),
+            np.zeros(size),
+            np.full(size, np.inf),
+            np.ones(size, dtype=bool),
+        )
+
+
+class Stretches:
+    """Stretches of amplitudes, each at one Omega, of one system under a motion."""
+
+    def __init__(
+        self, system: System, motion: Motion, eta: float, omega: Array, ends: Array
+    ) -> None:
+        """omega: Omega of each stretch; ends: its least and its largest A,
+        (2, stretches).
+        """
+        self.system, self.motion = system, motion
+        self.ends = ends
+        self.dimensionless = omega, np.full(omega.size, eta)
+        # The first half cycle lifts the body onto the side against which it pushes.
+        self.side = np.full(
+            omega.size, -np.sign(motion.pieces[0].harmonics[0].amplitude)
+        )
+        self.right = bool(np.all(self.side > 0.0))
+        assert isinstance(system.equation, RigidBodyEquation)
+        self.both = system.equation  # of both sides
+        self.equation = self.both.on(self.side)
+        self.safe_to = system.safe_amplitude(motion)  # up to it none loses the ground
+        low, high = (
+            system.contact.cells(system.equation, a, *self.dimensionless) for a in ends
+        )
+        at = low.row(self.side), np.arange(omega.size)
+        # A over that of uplift onto this side, Omega and eta of this side
+        self.least, self.largest = low.amplitude[at], high.amplitude[at]
+        self.omega, self.eta = low.omega[at], low.eta[at]
+        self.gap = self.largest - self.least
+
+    @staticmethod
+    def supports(system: System, motion: Motion) -> bool:
+        """True if Lemma 15 holds for a system under a motion."""
+        one = sine()
+        return (
+            isinstance(system.equation, RigidBodyEquation)
+            and isinstance(system.contact, Symmetric | Unequal)
+            and not system.equation.damping
+            and system.devices is None
+            and motion.vertical is None
+            and motion.pieces in (one.pieces, one.scaled(-1.0).pieces)
+        )
+
+    def outcomes(self) -> Array:
+        """The outcome of every amplitude of each stretch, `UNKNOWN` without a proof,
+        (stretches,).
+        """
+        found = np.full(self.omega.size, UNKNOWN, dtype=np.uint8)
+        start = np.arcsin(1.0 / np.maximum(self.least, 1.0))
+        path, course = self._at_uplift(start), _Course.of(start.size)
+        growth = np.sqrt(self._rate(1.0, 1.0))
+        steps = _steps(float(self.dimensionless[0].min()))
+        valid = (self.least > 1.0 + 1e-9) & (
+            growth * np.pi <= _LONGEST * steps * self.omega
+        )
+        for half in (0, 1):
+            begin = start if half == 0 else np.full(start.size, np.pi)
+            step = ((half + 1) * np.pi - begin) / steps
+            for n in range(steps):
+                near = course.highest <= _NEAR * self._top
+                phase = begin + n * step
+                path = self._stepped(path, phase, step, near)
+                off = self._distances(path)
+                course = self._followed(course, path, off, phase, step)
+                valid &= ~near | (course.highest <= _BOUNDED * self._top)
+                clear = np.minimum(np.minimum(course.half, path.y), 1.0) > off.y
+                falls = self._certainly_fall(path, off, rises=(half == 0) & near)
+                found[falls & valid & (clear | (half == 0))] = (
+                    Outcome.OVERTURNED_NO_IMPACT
+                )
+                if (n + 1) % (steps // _LOOKS) == 0:
+                    course = self._pressed(course, valid & (found == UNKNOWN))
+            if half == 0:
+                course = course._replace(half=path.y)
+
+        clear = np.minimum(np.minimum(course.half, path.y), 1.0) > off.y
+        at = np.flatnonzero((found == UNKNOWN) & valid & clear)
+        found[at] = self._after_shaking(
+            at,
+            _Path(*(x[at] for x in path)),
+            _Distance(*(x[at] for x in off)),
+            _Course(*(x[at] for x in course)),
+        )
+        return found
+
+    def _equation_of(self, at: Array) -> RigidBodyEquation:
+        """The equation of the stretches `at`."""
+        return self.both.on(self.side[at])
+
+    @property
+    def _top(self) -> Array | float:
+        """y of the unstable equilibrium."""
+        return self.equation.alpha / self.equation.sin
+
+    def _followed(
+        self,
+        course: "_Course",
+        path: _Path,
+        off: "_Distance",
+        phase: Array,
+        step: Array,
+    ) -> "_Course":
+        """What is known of all bodies of each stretch after a step from this phase."""
+        force = 1.0 / self.equation.sin + self.largest / self.equation.cos  # >= |y''|
+        h = step / self.omega
+        # Within the step y, y' and the drive may be a little larger than at its end.
+        highest = np.fmax(course.highest, path.y + off.y + 0.125 * force * h * h)
+        fastest = np.abs(path.v) + off.v + force * h
+        pushes = np.abs(np.sin([phase, phase + step])).max(axis=0)
+        pushes = np.minimum(1.0, pushes + 0.125 * step * step)
+        return course._replace(
+            highest=highest,
+            fastest=np.fmax(course.fastest, fastest),
+            push=np.fmax(course.push, pushes),
+        )
+
+    def _certainly_fall(self, path: _Path, off: "_Distance", rises: Array) -> Array:
+        """True where Lemma 6 holds for all bodies of a stretch; rises: True where y and
+        y' may grow with A so far.
+        """
+        rises = rises & (self.largest * self.equation.tan**2 <= 1.0)
+        return self.equation.certainly_overturns(
+            path.y - np.where(rises, _ERROR * (1.0 + path.z), off.y),
+            path.v - np.where(rises, _ERROR * (1.0 + path.w), off.v),
+            self.largest,
+        )
+
+    def _at_uplift(self, start: Array) -> _Path:
+        """The path at the uplift of the least amplitude; the largest one has lifted the
+        body before.
+        """
+        before = np.arcsin(1.0 / np.maximum(self.largest, 1.0))
+        root = self._rate(1.0, self.equation.sin)
+        past = np.sqrt(root) * (start - before) / self.omega
+        return _Path(
+            np.zeros_like(start),
+            np.zeros_like(start),
+            (np.cosh(past) - 1.0) / (root * self.equation.cos),
+            np.sinh(past) / (np.sqrt(root) * self.equation.cos),
+        )
+
+    def _rate(self, push: Array | float, sin: Array | float) -> Array:
+        """Bound of |dy''/dy| under the outward drive `push` at A = 1; sin: bound of
+        |sin(theta - alpha)|.
+        """
+        return 1.0 + self.largest * np.abs(push) * self.equation.tan * sin
+
+    def _slopes(self, path: _Path, phase: Array, sin: Array) -> _Path:
+        """The derivatives of a path by tau."""
+        equation, push = self.equation, np.sin(phase)
+        z = equation.alpha - path.y * equation.sin
+        force = self.least * push * np.cos(z) / equation.cos - np.sin(z) / equation.sin
+        bound = self._rate(push, sin) * path.z + np.abs(push) / equation.cos
+        return _Path(path.v, force, path.w, bound)
+
+    def _stepped(self, path: _Path, phase: Array, step: Array, near: Array) -> _Path:
+        """The path after a step of phase, by the Runge-Kutta method of order 4; near:
+        True for |theta - alpha| <= alpha.
+        """
+        h, sin = step / self.omega, np.where(near, self.equation.sin, 1.0)
+
+        def moved(slopes: _Path, share: float) -> _Path:
+            return _Path(
+                *(x + share * h * dx for x, dx in zip(path, slopes, strict=True))
+            )
+
+        one = self._slopes(path, phase, sin)
+        two = self._slopes(moved(one, 0.5), phase + 0.5 * step, sin)
+        three = self._slopes(moved(two, 0.5), phase + 0.5 * step, sin)
+        four = self._slopes(moved(three, 1.0), phase + step, sin)
+        mean = _Path(
+            *(
+                (a + 2.0 * (b + c) + d) / 6.0
+                for a, b, c, d in zip(one, two, three, four, strict=True)
+            )
+        )
+        return moved(mean, 1.0)
+
+    def _distances(self, path: _Path) -> _Distance:
+        """How far all bodies of each stretch may be from its path."""
+        return _Distance(
+            *(
+                1.01 * self.gap * bound + _ERROR * (1.0 + bound)
+                for bound in (path.z, path.w)
+            )
+        )
+
+    def _after_shaking(
+        self, at: Array, end: _Path, off: _Distance, course: _Course
+    ) -> Array:
+        """The outcomes of the stretches `at`, which had no impact, from the end of the
+        shaking on.
+        """
+        corners = [
+            (end.y + up * off.y, end.v + right * off.v)
+            for up in (-1.0, 1.0)
+            for right in (-1.0, 1.0)
+        ]
+        free = [self._free(at, y, v) for y, v in corners]
+        found = np.full(at.size, UNKNOWN, dtype=np.uint8)
+        # A larger y or y' overturns too.
+        found[free[0].overturns] = Outcome.OVERTURNED_NO_IMPACT
+
+        # On one side of the equilibrium the energy is monotone in y.
+        top = np.broadcast_to(self._top, self.side.shape)[at]
+        back = (end.y + off.y <= 1.0) | ((end.y - off.y >= top) & (end.v + off.v < 0.0))
+        for one in free:
+            back &= ~one.overturns
+        after = [one.overturns_after_impact for one in free]
+        found[back & np.all(after, axis=0)] = Outcome.OVERTURNED_AFTER_IMPACT
+
+        rocked = np.flatnonzero(back & ~np.any(after, axis=0) & course.kept)
+        peak = np.max([course.highest, *(one.peak for one in free)], axis=0)[rocked]
+        kept = self._keeps_the_ground(
+            at[rocked], self._equation_of(at[rocked]).rotation(peak)
+        )
+        found[rocked[kept]] = Outcome.ROCKED
+        return found
+
+    def _free(self, at: Array, y: Array, v: Array) -> FreeMotion:
+        """The free motion of bodies of the stretches `at`."""
+        zero, none = np.zeros(at.size), np.zeros(at.size, dtype=np.int32)
+        lanes = Lanes(
+            np.arange(at.size),
+            self.largest[at],
+            self.omega[at],
+            self.eta[at],
+            none,
+            zero,
+            self.side[at],
+            y,
+            v,
+            zero,
+            zero,
+            none,
+            none,
+        )
+        return self.system.contact.free_motion(
+            self.both, lanes, np.arange(at.size), y, v
+        )
+
+    def _pressed(self, course: _Course, asked: Array) -> _Course:
+        """The course after a few steps, with what they tell about contact; asked: True
+        for stretches of which it is asked.
+        """
+        body, kept = self.system.body, course.kept.copy()
+        nothing = np.zeros_like(course.push)
+        after = course._replace(kept=kept, push=nothing, fastest=nothing)
+        if body is None:
+            return after  # its forces are not known
+        at = np.flatnonzero(asked & kept & (self.ends[1] > self.safe_to))
+        edge, equation = body.edges[0 if self.right else -1], self._equation_of(at)
+        kept[at] = body.contact_proved(
+            edge,
+            self.largest[at] * edge.uplift * course.push[at],
+            equation.sin * course.highest[at],
+            fastest=equation.sin * course.fastest[at],
+        )
+        return after
+
+    def _keeps_the_ground(self, at: Array, rotation: Array) -> Array:
+        """True where all bodies of the stretches `at` keep the ground after the
+        shaking, with |theta|/alpha up to `rotation`.
+        """
+        body = self.system.body
+        kept = np.ones(at.size, dtype=bool)
+        if body is None:
+            return kept
+        for edge in body.edges:
+            kept &= (self.ends[1, at] <= self.safe_to) | body.contact_proved(
+                edge, np.zeros(at.size), edge.alpha * rotation
+            )
+        return kept
+
+
+def _steps(omega: float) -> int:
+    """The number of steps over half a cycle at this Omega, at least `_SLOWEST`."""
+    return [n for least, n in _STEPS.items() if least <= omega][-1]
+
+
+def outcomes_of_stretches(
+    system: System, motion: Motion, eta: float, omega: Array, ends: Array
+) -> Array:
+    """The outcome of every amplitude of each stretch, `UNKNOWN` without a proof,
+    (stretches,). omega, ends: as of `Stretches`.
+    """
+    found = np.full(omega.size, UNKNOWN, dtype=np.uint8)
+    kinds = np.searchsorted(list(_STEPS), omega, side="right")  # 0: no proof is tried
+    for kind in np.unique(kinds[kinds > 0]).tolist():
+        at = np.flatnonzero(kinds == kind)
+        found[at] = Stretches(system, motion, eta, omega[at], ends[:, at]).outcomes()
+    return found
+
+
+def proved_outcomes(
+    prove: Callable[[Array, Array], Array], row: Array, amplitude: Array
+) -> tuple[Array, Array]:
+    """(the outcome of each point, `UNKNOWN` without a proof; the first point of the
+    stretch that proves it). row, amplitude: points in the order of rows and amplitudes,
+    (points,); prove: function from rows and the ends of stretches to their outcomes.
+    """
+    label = np.full(row.size, UNKNOWN, dtype=np.uint8)
+    first_of = np.arange(row.size)
+    begins = np.flatnonzero(np.append(True, row[1:] != row[:-1]))
+    ends = np.append(begins[1:], row.size)
+    # Stretches of the widest kind; those without a proof are halved.
+    begin = np.concatenate(
+        [np.arange(a, b, _WIDEST) for a, b in zip(begins, ends, strict=True)]
+    )
+    last = np.repeat(ends, -(-(ends - begins) // _WIDEST))
+    width = _WIDEST
+    while width >= _NARROWEST and begin.size:
+        end = np.minimum(begin + width, last)
+        found = prove(row[begin], np.array([amplitude[begin], amplitude[end - 1]]))
+        proved = found != UNKNOWN
+        counts = (end - begin)[proved]
+        points = np.repeat(begin[proved], counts)
+        points = (
+            points
+            + np.arange(counts.sum())
+            - np.repeat(np.cumsum(counts) - counts, counts)
+        )
+        label[points] = np.repeat(found[proved], counts)
+        first_of[points] = np.repeat(begin[proved], counts)
+        width //= 2
+        begin, last = (
+            np.append(begin[~proved], begin[~proved] + width),
+            np.append(end[~proved], end[~proved]),
+        )
+        inside = begin < last
+        begin, last = begin[inside], last[inside]
+    return label, first_of

@@ -1,0 +1,111 @@
+"""Stretches of amplitudes with one outcome: the march agrees at their amplitudes, and
+an integration that shares no code with the bound of their paths.
+"""
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+from support.documents import built
+
+from rocking_cli import Outcome, sine, trace_envelope
+from rocking_cli.dynamics.method import Method
+from rocking_cli.envelopes import boundaries
+from rocking_cli.envelopes.boundaries import Search
+from rocking_cli.envelopes.stretches import (
+    UNKNOWN,
+    Stretches,
+    outcomes_of_stretches,
+    proved_outcomes,
+)
+
+COLUMN = built("kind: block\nwidth: 0.5\nheight: 2")
+STOUT = built("kind: block\nwidth: 1.2\nheight: 2\nrestitution: 0.7")
+STATUE = built("kind: rigid\nleft: 0.42\nright: 0.31\nheight: 1.15\ngyration: 0.68")
+NONLINEAR = Method("nonlinear")
+
+
+@pytest.mark.parametrize(
+    ("body", "sign"), [(COLUMN, 1.0), (STOUT, 1.0), (STATUE, 1.0), (STATUE, -1.0)]
+)
+def test_what_is_proved_is_what_the_march_finds(body, sign):
+    system = NONLINEAR.system_of(body)
+    motion = sine() if sign > 0.0 else sine().scaled(-1.0)
+    search = Search(system, motion, body.eta, 20.0)
+    omegas = np.array([0.7, 1.3, 2.9, 5.1, 11.0])
+    amplitude = np.tile(search.grid.amplitude(np.arange(search.grid.size)), 5)
+    row = np.repeat(np.arange(5), search.grid.size)
+    label, first = proved_outcomes(
+        lambda row, ends: outcomes_of_stretches(
+            system, motion, body.eta, omegas[row], ends
+        ),
+        row,
+        amplitude,
+    )
+    proved = label != UNKNOWN
+    assert not proved[row == 0].any()
+    assert proved[row == 3].mean() > 0.5
+    assert {Outcome.ROCKED, Outcome.OVERTURNED_NO_IMPACT} <= set(label[proved])
+    assert np.all(label[first[proved]] == label[proved])
+
+    # Next to other stretches, and at every seventh amplitude.
+    edge = np.append(first[1:] != first[:-1], True)
+    some = np.flatnonzero(proved & (edge | (np.arange(row.size) % 7 == 0)))
+    found, impacts = search._respond(amplitude[some], omegas[row[some]])
+    np.testing.assert_array_equal(found, label[some])
+    assert not impacts.any()
+
+
+def integrated(alpha, amplitude, omega, until):
+    """(theta/sin(alpha), its derivative by tau) under a sine cycle from the uplift to
+    this phase: Eq. 2.3 by SciPy.
+    """
+    a = amplitude * alpha  # over g
+
+    def slopes(tau, state):
+        z = alpha - state[0]
+        return state[1], -np.sin(z) + a * np.sin(omega * tau) * np.cos(z)
+
+    begin = np.arcsin(np.tan(alpha) / a) / omega
+    path = solve_ivp(
+        slopes, (begin, until / omega), [0.0, 0.0], "DOP853", rtol=1e-11, atol=1e-13
+    )
+    return path.y[:, -1] / np.sin(alpha)
+
+
+@pytest.mark.parametrize("omega", [1.3, 4.5, 9.0])
+@pytest.mark.parametrize("until", [2.5, np.pi, 5.0, 2.0 * np.pi])
+def test_no_path_is_farther_away_than_the_bound(omega, until):
+    least, gap = np.array([1.5, 3.0, 6.0]), 0.01
+    ends = np.array([least, least + gap])
+    stretches = Stretches(
+        NONLINEAR.system_of(COLUMN), sine(), COLUMN.eta, np.full(3, omega), ends
+    )
+    start = np.arcsin(1.0 / stretches.least)
+    path, count = stretches._at_uplift(start), 200
+    step = (until - start) / count
+    for n in range(count):
+        near = np.zeros(3, dtype=bool)  # the bound that holds for any rotation
+        path = stretches._stepped(path, start + n * step, step, near)
+    for i, a in enumerate(least):
+        y, v = integrated(COLUMN.alpha, a, omega, until)
+        assert [path.y[i], path.v[i]] == pytest.approx(
+            [y, v], abs=1e-4 * (1.0 + path.z[i])
+        )
+        for share in (0.3, 1.0):
+            other, rate = integrated(COLUMN.alpha, a + share * gap, omega, until)
+            unit = stretches.gap[i]
+            assert abs(other - y) <= share * unit * path.z[i]
+            assert abs(rate - v) <= share * unit * path.w[i]
+
+
+def test_an_envelope_has_the_same_intervals_without_these_proofs(monkeypatch):
+    found = []
+    for many in (1000, np.inf):
+        monkeypatch.setattr(boundaries, "_MANY", many)
+        found.append(
+            trace_envelope(
+                COLUMN, sine(), [2.2, 4.7], method=NONLINEAR, a_max=4.0, workers=1
+            )
+        )
+    assert found[0] == found[1]
+    assert len(found[0]) > 2
