@@ -30,8 +30,9 @@ from .records import (
     unknown,
     unpacked,
 )
+from .records.encodings import as_utf_8
 from .records.record import chosen, names_of, record_motion, vertical_of
-from .records.text import HEAD, as_utf_8
+from .records.text import HEAD
 
 Taken = TypeVar("Taken")
 

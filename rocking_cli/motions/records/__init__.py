@@ -37,8 +37,9 @@ from ...errors import DocumentError, NoAcceleration, UsageError
 from ...plugins import blamed, installed
 from . import asdf, plain
 from .claims import agree
+from .encodings import as_utf_8
 from .record import EVERY, Given, Record, Series, pick, record_of, require_series
-from .text import HEAD, RecordText, as_utf_8
+from .text import HEAD, RecordText
 from .units import ACCELERATIONS, WRITTEN_UNITS, require_known
 
 if TYPE_CHECKING:
@@ -209,8 +210,11 @@ def records_of(
         if found is not plain and named:
             _require_agreement(source, read, given, found.NAME)
         also = "an uncorrected accelerogram" if uncorrected else ""
+        told = entry is not None or any(s.remark for s in read)
+        behind = "" if told else text.words_behind()
         series = [
-            s._replace(remark="; ".join(filter(None, (also, s.remark)))) for s in read
+            s._replace(remark="; ".join(filter(None, (also, s.remark, behind))))
+            for s in read
         ]
         return [
             record_of(s, name, found.NAME, source, sha256) for s in _distinct(series)

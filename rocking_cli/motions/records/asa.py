@@ -6,7 +6,7 @@ channel.
 import re
 
 from .record import Series
-from .text import Keys, Layout, RecordText, begins
+from .text import Keys, RecordText, begins
 
 NAME = "ASA"
 _KEY = re.compile(r"\s*([A-Z][^:]*?)\s*:\s*(.*)", re.IGNORECASE)
@@ -47,7 +47,7 @@ def read(text: RecordText) -> list[Series]:
         raise text.fault(
             "channels of different lengths or steps, which are not read", 1
         )
-    values = text.numbers(counts[0] * width, Layout(width)).reshape(counts[0], width)
+    values = text.rows(counts[0], width)
     text.require_end(counts[0])
     found = zip(names, steps, values.T, peaks, strict=True)
     return [Series(name, dt, x.copy(), unit, pga) for name, dt, x, pga in found]

@@ -114,7 +114,7 @@ def _afad(text: RecordText) -> list[Series]:
     if "(GAL)" not in unit:
         raise text.fault(f"found {unit!r}; expected a record in gal", keys[unit][1])
     pgas = dict(re.findall(r"\(([^)]+)\)\s*([-+.\dEe]+)", keys.get(unit, ("", 0))[0]))
-    values = text.numbers(3 * count, Layout(3)).reshape(count, 3)
+    values = text.rows(count, 3)
     remark = text.surplus(count)
     return [
         Series(name, dt, values[:, i], "gal", pgas.get(name), remark)

@@ -4,11 +4,13 @@ where it names only an acceleration.
 """
 
 import re
+from itertools import takewhile
 
 import numpy as np
 
 from .claims import Claims
 from .directions import is_up, is_up_alone
+from .printed_numbers import finite_number
 from .record import Series
 from .text import Layout, RecordText, begins
 from .times import even_step
@@ -23,6 +25,7 @@ _OLDER = re.compile(
 )
 _SAID, _TRAILER = re.compile(r"\S.*"), re.compile(r"\W*(?:END|EOF)\b", re.IGNORECASE)
 _BRACKETS = re.compile(r"\([^)]*\)")
+_MANY = 1000  # lines that show whether their first numbers are times
 
 _BEGIN = begins(rf"(?:.*\n){{0,49}}?.*(?:{_COUNT.pattern}|{_OLDER.pattern})")
 _OTHER_TEXT = re.compile(r"[A-CF-Za-cf-z]{2,}|[,;]")
@@ -34,8 +37,10 @@ def recognise(head: str) -> bool:
         return False
     lines = head.splitlines()
     at = next(
-        (i for i, x in enumerate(lines) if _COUNT.search(x) or _OLDER.search(x)), 0
+        (i for i, x in enumerate(lines) if _COUNT.search(x) or _OLDER.search(x)), None
     )
+    if at is None:  # NPTS and DT stand on two lines
+        return False
     below = next((x for x in lines[at + 1 :] if x.strip()), "")
     return _OTHER_TEXT.search(below) is None
 
@@ -83,10 +88,8 @@ def _samples(text: RecordText, count: int, dt: float) -> tuple[np.ndarray, str]:
     """(the samples, a remark if more follow); of lines of time and value the values."""
     at, line = text.at, text.line
     first = text.raw[at : at + 1000].lstrip().split(b"\n", 1)[0].split()
-    rest = text.raw[at:].split(None, 2 * count + 1)
-    pairs = len(first) == 2 and len(rest) >= 2 * count
-    if pairs:
-        values = text.numbers(2 * count, Layout(2)).reshape(count, 2)
+    if len(first) == 2 and _are_pairs(text, count):
+        values = text.rows(count, 2)
         step = even_step(values[:, 0], text, line)
         if abs(step - dt) > 1e-3 * dt:
             raise text.fault(
@@ -99,6 +102,19 @@ def _samples(text: RecordText, count: int, dt: float) -> tuple[np.ndarray, str]:
     if remark and more >= count:
         raise text.fault(f"found more than twice the {count} values declared")
     return samples, remark
+
+
+def _are_pairs(text: RecordText, count: int) -> bool:
+    """True if lines of two numbers hold a time and a value: there are twice as many
+    numbers as declared, or the first ones rise as no accelerations do.
+    """
+    rest = text.raw[text.at :].split(None, 2 * count + 1)
+    if len(rest) >= 2 * count:
+        return True
+    first = map(finite_number, rest[: 2 * _MANY : 2])
+    times = [x for x in takewhile(lambda x: x is not None, first) if x is not None]
+    steps = np.diff(times)
+    return bool(steps.size > 1 and (steps >= 0.0).all() and steps.any())
 
 
 def _upwards(claims: Claims, above: list[tuple[str, int]]) -> str | None:

@@ -11,6 +11,7 @@ from typing import NamedTuple, Self
 import numpy as np
 
 from ...errors import DocumentError, NoAcceleration
+from .encodings import as_utf_8, encoding_of
 from .printed_numbers import (
     NUMBER,
     OF_NUMBERS,
@@ -26,7 +27,6 @@ from .units import WRITTEN_UNITS, time_unit, unit_of
 Keys = dict[str, tuple[str, int]]
 
 HEAD = 1 << 16  # bytes in which a format shows itself
-_UTF_16 = {b"\xff\xfe": "utf-16-le", b"\xfe\xff": "utf-16-be"}
 _DOS_BLOCK = 128  # bytes
 # a format such as (8F10.5) or (1E15.6)
 FORTRAN = r"\(\s*(?:\d+P\s*,?\s*)?(?P<columns>\d*)\s*[FEGDI]\s*(?P<width>[1-9]\d?)"
@@ -96,7 +96,7 @@ class RecordText:
         if b"\x1a" in raw[-_DOS_BLOCK:]:
             raw = raw.rstrip(b"\x1a\n ")
         self.raw = raw  # the content, with line ends of Unix
-        self.encoding = _encoding(raw)  # its name
+        self.encoding = encoding_of(raw)  # its name
         if self.encoding == "utf-8" and not raw.isascii():
             self.raw = raw.replace("−".encode(), b"-").replace("\xa0".encode(), b" ")
         # the beginning as text
@@ -285,7 +285,7 @@ class RecordText:
         """Return a remark if more numbers follow than the header declares."""
         return (
             f"more values than the {count} declared, which are left out"
-            if self.more_numbers()
+            if self._numbers_beyond() is not None
             else ""
         )
 
@@ -294,22 +294,56 @@ class RecordText:
         rest = self.raw[self.at : self.at + 4096].split(None, 1)
         return bool(rest) and NUMBER.fullmatch(rest[0]) is not None
 
+    def words_behind(self) -> str:
+        """Return a remark if text follows that is not read."""
+        left = self.raw[self.at :].lstrip()
+        if not left:
+            return ""
+        line = self.line + self.raw[self.at : len(self.raw) - len(left)].count(b"\n")
+        words = self.decoded(left.split(b"\n", 1)[0]).strip()[:60]
+        return f"{words!r} in line {line} and what follows, which are left out"
+
     def require_end(self, count: int) -> None:
-        """Raise DocumentError if another line of numbers follows the `count` values
-        that are declared.
+        """Raise DocumentError if more numbers follow the `count` values that are
+        declared, on the same line or on the next.
+        """
+        line = self._numbers_beyond()
+        if line is not None:
+            raise self.fault(f"found numbers after the {count} values declared", line)
+
+    def _numbers_beyond(self) -> int | None:
+        """The line of the next numbers, None if the file ends or other text follows,
+        such as `2980 points of veloc data`.
         """
         ahead = self.raw[self.at : self.at + 4096]
         line = ahead.lstrip().split(b"\n", 1)[0]
-        if line and not line.translate(None, OF_NUMBERS):
-            blank = ahead.partition(line)[0].count(b"\n")
+        within = self.raw[self.at - 1 : self.at] != b"\n"  # on the line of the last
+        first = line.split(None, 2)[: 1 if within else 2]
+        numbers = all(finite_number(word) is not None for word in first)
+        if not line or (line.translate(None, OF_NUMBERS) and not numbers):
+            return None
+        return self.line + ahead.partition(line)[0].count(b"\n")
+
+    def rows(self, count: int, columns: int) -> Array:
+        """Return the numbers of the next `count` lines, (count, columns). Raises
+        DocumentError at a line that holds something else.
+        """
+        at, first = self.at, self.line
+        values = self.numbers(count * columns, Layout(columns))
+        each = words_on_lines(self.raw[at : self.at])
+        odd = np.flatnonzero((each != columns) & (each != 0))
+        if odd.size:
             raise self.fault(
-                f"found a line of numbers after the {count} values declared",
-                self.line + blank,
+                f"found {each[odd[0]]} numbers on a line; expected {columns}",
+                first + int(odd[0]),
             )
+        return values.reshape(count, columns)
 
     def numbers(self, count: int, layout: Layout) -> Array:
-        """Return the next `count` numbers. Raises DocumentError at a line that holds
-        something else, or is not full in columns of a fixed width.
+        """Return the next `count` numbers; the next place is behind the last, also
+        where more follow on its line, for `surplus` or `require_end`. Raises
+        DocumentError at a line that holds something else, or is not full in columns of
+        a fixed width.
         """
         if count > len(self.raw) - self.at + 1:
             raise self.fault(
@@ -352,12 +386,16 @@ class RecordText:
             if width is not None and len(row) != wanted:  # they touch, or are too few
                 line = line.rstrip()
                 row = [line[i : i + width].strip() for i in range(0, len(line), width)]
-            yield row[: count - done]
+            left = count - done
+            yield row[:left]
             if width is not None and len(row) != wanted:
                 raise self.fault(
                     f"found {len(row)} numbers on a line; expected {wanted} (the header"
                     f" announces {count} values)"
                 )
+            if len(row) > left:  # back to the first number that is not declared
+                self.at -= len(line.split(None, left)[left])
+                self.line -= 1
             done += len(row)
 
     def table(self, separators: bytes = b"") -> tuple[Array, int]:
@@ -401,21 +439,3 @@ class RecordText:
         if value is None:
             raise self.fault(f"found {shown(token)}{after}")
         return value
-
-
-def as_utf_8(raw: bytes) -> bytes:
-    """Return a text without its byte order mark, in UTF-8 if it was UTF-16."""
-    if (encoding := _UTF_16.get(raw[:2])) is not None:
-        return raw[2:].decode(encoding, "replace").encode("utf-8", "replace")
-    return raw.removeprefix(b"\xef\xbb\xbf")
-
-
-def _encoding(raw: bytes) -> str:
-    """UTF-8 if the bytes are valid in it, else the code page of Windows or Latin-1."""
-    for encoding in ("utf-8", "cp1252"):
-        try:
-            raw.decode(encoding)
-        except UnicodeDecodeError:
-            continue
-        return encoding
-    return "latin-1"

@@ -75,7 +75,9 @@ def _pairs(text: RecordText, count: int, dt: float) -> Array:
     values = np.empty(count)
     first = None
     for i in range(count):
-        (line,) = text.lines(1)
+        line = text.next_line()
+        if line is None:
+            raise text.fault(f"the file ends after {i} of {count} values")
         date, _, value = line.strip().partition(" ")
         values[i] = text.number(value)
         try:

@@ -84,7 +84,7 @@ def test_an_uncorrected_record_of_csmnc_is_one_of_the_uncorrected(tmp_path):
         ),
         ({"unit": "CM/SEC"}, "a:11: found the unit 'CM/SEC'"),
         ({"count": 404}, "the file ends after 403 of 404 values"),
-        ({"count": 395}, "found a line of numbers after the 395 values declared"),
+        ({"count": 395}, "found numbers after the 395 values declared"),
         ({"dt": "0"}, "a time step of 0"),
         (
             {"duration": 60},
@@ -153,7 +153,7 @@ def test_asa(tmp_path):
         ({"unit": "cm/s"}, "UNIDADES DE LOS DATOS: found 'cm/s'; expected m/s2"),
         ({"factor": 10}, "found '10'; expected FACTOR DE DECIMACION: 1"),
         ({"count": 61}, "the file ends after 180 of 183 values"),
-        ({"count": 59}, "found a line of numbers after the 59 values declared"),
+        ({"count": 59}, "found numbers after the 59 values declared"),
         ({"last": ".02"}, "channels of different lengths or steps, which are not read"),
         ({"names": "S00E/V"}, "found"),
     ],
@@ -312,7 +312,7 @@ def test_the_text_of_obspy(tmp_path, kind):
             timeseries() + timeseries(),
             "a second stretch of XX_STA_00_HNZ_D, after a gap",
         ),
-        (timeseries(count=402), "a:69: found a line of numbers after the 402"),
+        (timeseries(count=402), "a:69: found numbers after the 402"),
         (timeseries(count=404), "the file ends after 403 of 404 values"),
         (
             timeseries("TSPAIR", rate=100),
