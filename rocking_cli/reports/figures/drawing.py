@@ -192,7 +192,14 @@ def _fill_outlines(axes: Axes, sketch: Sketch, metre: float) -> None:
             if group == "bodies":
                 _plot_gyration(axes, _in_unit(circle, metre))
         for outline in outlines:
-            axes.fill(*zip(*_in_unit(outline, metre), strict=True), **style)
+            x, z = zip(*_in_unit(outline, metre), strict=True)
+            if len(x) > 2:
+                axes.fill(x, z, **style)
+                continue
+            # a line: an outline would run along it and back, and fill its gaps
+            keys = ("lw", "ls", "label")
+            line = {key: style[key] for key in keys if key in style}
+            axes.plot(x, z, color=style["edgecolor"], **line)
 
 
 def _plot_gyration(axes: Axes, circle: Sequence[Point]) -> None:
