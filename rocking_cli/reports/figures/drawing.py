@@ -19,6 +19,7 @@ from .labels import Ink, spaced
 
 _WIDTH = 4.2  # inches, of a panel
 _LETTER = 0.028  # width of a small letter over the size of the drawing
+_NEAR = 1e-9  # distance of points that coincide over the size of the drawing
 _BESIDE = 0.05  # distance of a label from its point over the size of the drawing
 _ALIKE = 2.5  # ratio of the sizes of bodies that are drawn at one scale
 STONE, GROUND, INK, ACCENT = "#D9CBB8", "#EFEFEF", "#333333", "#D55E00"
@@ -198,7 +199,14 @@ def _fill_outlines(axes: Axes, sketch: Sketch, metre: float) -> None:
             if group == "bodies":
                 _plot_gyration(axes, _in_unit(circle, metre))
         for outline in outlines:
-            axes.fill(*zip(*_in_unit(outline, metre), strict=True), **style)
+            x, z = zip(*_in_unit(outline, metre), strict=True)
+            if len(x) > 2:
+                axes.fill(x, z, **style)
+                continue
+            # a line: an outline would run along it and back, and fill its gaps
+            keys = ("lw", "ls", "label")
+            line = {key: style[key] for key in keys if key in style}
+            axes.plot(x, z, color=style["edgecolor"], **line)
 
 
 def _plot_gyration(axes: Axes, circle: Sequence[Point]) -> None:
@@ -302,9 +310,23 @@ def _ground(sketch: Sketch, metre: float) -> list[Point]:
     whole = [_in_unit(one, metre) for one in (*sketch.bodies, *sketch.still)]
     pivots = _in_unit((point for _, point in sketch.pivots), metre)
     size = _size(sketch) / metre
-    near, inks = 1e-9 * size, [Ink([outline]) for outline in whole]
-    # a hinge on the outline of one body alone stands on the ground
-    alone = [
+    base = min(z for outline in whole for _, z in outline)
+    found = _feet(whole, pivots, _NEAR * size)
+    if all(z - base < _NEAR * size for _, z in found):
+        found = sorted((x, base) for outline in whole for x, _ in outline)
+    (first, left), (last, right) = found[0], found[-1]
+    return [(first - size, left), *found, (last + size, right)]
+
+
+def _feet(
+    whole: Sequence[Sequence[Point]], pivots: Sequence[Point], near: float
+) -> list[Point]:
+    """Return the ends of the level feet of the bodies that stand on the ground, from
+    left to right; near: the largest distance of points that coincide.
+    """
+    inks = [Ink([outline]) for outline in whole]
+    # a hinge on the outline of one body alone is one with the ground
+    grounded = [
         point
         for point in pivots
         if sum(one.clearance(point) < near for one in inks) == 1
@@ -313,14 +335,11 @@ def _ground(sketch: Sketch, metre: float) -> list[Point]:
     for outline in whole:
         low = min(z for _, z in outline)
         foot = sorted(point for point in outline if point[1] - low < near)
-        if len(foot) > 1 and any(Ink([], [foot]).clearance(x) < near for x in alone):
+        if len(foot) > 1 and any(
+            Ink([], [foot]).clearance(point) < near for point in grounded
+        ):
             feet.append([foot[0], foot[-1]])
-    base = min(z for outline in whole for _, z in outline)
-    found = [point for foot in sorted(feet) for point in foot]
-    if not found or all(z - base < near for _, z in found):
-        found = [(x, base) for outline in whole for x, _ in outline]
-    left, right = min(found), max(found)
-    return [(left[0] - size, left[1]), *sorted(found), (right[0] + size, right[1])]
+    return [point for foot in sorted(feet) for point in foot]
 
 
 def _plot_ground(axes: Axes, ground: Sequence[Point]) -> None:
