@@ -90,6 +90,7 @@ COLUMNS = {
             "d5_95",
             "T",
             "run_time",
+            "check_time",
             "time_per_cell",
             "pgv_pga",
         ),
