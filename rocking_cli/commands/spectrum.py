@@ -50,7 +50,8 @@ class SpectrumOptions:
     )
     check: int | None = option(
         "--verify-cells",
-        "Cells to verify by an independent solver.",
+        "Cells to verify by an independent solver; by default 1 to 64, by the size"
+        " of the sweep.",
         type=click.IntRange(0, 10_000),
         metavar="N",
     )

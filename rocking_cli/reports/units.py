@@ -91,6 +91,7 @@ COLUMNS = {
             "d5_95",
             "T",
             "run_time",
+            "check_time",
             "time_per_cell",
             "pgv_pga",
         ),

@@ -267,10 +267,10 @@ class Verification:
         them by the reference.
         """
         with self._timed():
-            chosen = self._most_sensitive()
+            chosen = dict.fromkeys(self._most_sensitive(), True)
             drawn = [place for place in self._drawn if place not in chosen]
             drawn = drawn[: self.check - len(chosen)]
-            self.sensitive = dict.fromkeys(drawn, False) | dict.fromkeys(chosen, True)
+            self.sensitive = dict.fromkeys(drawn, False) | chosen
             self.answers = dict(zip(self.sensitive, run(self.sensitive), strict=True))
 
     def _most_sensitive(self) -> list[Place]:
