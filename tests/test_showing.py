@@ -162,7 +162,7 @@ def test_a_response_in_memory_goes_into_one_axes(axes):
         [VERDICT, VERDICT],
         trace_envelope(STATED, sine(), [3.0, 4.0]),
         closed_form_curves([3.0, 4.0], 0.9),
-        envelope(STATED, sine(), "f_g=1:1.5:2"),
+        envelope("block:0.5x2", sine(), "f_g=1:1.5:2"),
         load_records("configs/motions/synthetic.at2", scale=2.0),
     ],
     ids=lambda result: type(result).__name__,

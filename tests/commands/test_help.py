@@ -95,6 +95,10 @@ SHORTER = [
         r"(rocking (check|envelope) (?!.*--(a-max|verdict-only|closed-form)).*)",
         r"\1 --a-max 2",
     ),
+    (  # whose searches are short
+        r"rocking (check|solve|report) (?!.*--(pulse|motion|cycles|fail-on))",
+        r"rocking \1 --pulse rectangular ",
+    ),
 ]
 
 

@@ -54,7 +54,11 @@ def test_a_pair_of_turns_within_a_step():
 @pytest.mark.slow
 @pytest.mark.parametrize(
     "motion",
-    [motion_of_samples(noise(60, 0.06, 3), 0.06), sine(2), cosine()],
+    [
+        motion_of_samples(noise(60, 0.06, 3), 0.06),
+        pytest.param(sine(2), marks=pytest.mark.soak),
+        cosine(),
+    ],
     ids=["record", "sine", "cosine"],
 )
 @pytest.mark.parametrize("kind", ["plain", "unequal", "one-sided"])

@@ -163,7 +163,7 @@ def overwritten(data: bytearray, i: int, chance: random.Random) -> bytearray:
 
 @pytest.mark.parametrize("which", ["finished", "left"])
 @pytest.mark.parametrize("damage", [flipped, overwritten])
-@pytest.mark.parametrize("tries", [25, pytest.param(600, marks=pytest.mark.soak)])
+@pytest.mark.parametrize("tries", [12, pytest.param(600, marks=pytest.mark.soak)])
 def test_damaged_files_are_refused_and_never_give_another_number(
     which, damage, tries, request, table
 ):

@@ -56,8 +56,8 @@ def integrate_spire(base, height, thickness, tip, crack, count=2500):
     [
         (1.5, 12.0, 0.15, 10.8, 10.8),
         (1.5, 12.0, 0.4, 9.0, 5.0),
-        (2.0, 7.0, 0.2, 7.0, 3.0),
-        (1.5, 12.0, 0.3, 9.6, 6.0),
+        pytest.param((2.0, 7.0, 0.2, 7.0, 3.0), marks=pytest.mark.soak),
+        pytest.param((1.5, 12.0, 0.3, 9.6, 6.0), marks=pytest.mark.soak),
     ],
 )
 def test_cracked_spire_equals_an_independent_integration(geometry):
