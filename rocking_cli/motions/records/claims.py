@@ -111,6 +111,11 @@ _OF_THE_NUMBERS = re.compile(
     r"(?:physical )?quantity|(?:(?:data|record|file|channel) )?type(?: of data)?|data"
     r"|kind|parameter|values?|contents?|grandezza|magnitud|messgroesse|groesse"
 )
+# keys of a title, in which only a spectrum is refused
+_OF_A_TITLE = re.compile(
+    r"(?:(?:data|record|file|plot|figure) )?(?:title|titel|titolo|titulo|titre|name"
+    r"|caption|description|heading|subject)"
+)
 _AFTER = re.compile(
     r"(?:\bin\b|[,:=])\s*(?:units? of\s+)?([^,:=;]+?)\s*(?=[;,]|\. |$)", re.IGNORECASE
 )
@@ -279,9 +284,10 @@ class Claims:
         """Take a line such as `a: m/s2` or `velocity: cm/s`."""
         key, _, value = words.replace("=", ":", 1).partition(":")
         cell = cell_of(key)
-        said = without_aim(plain(value))
-        if _OF_THE_NUMBERS.fullmatch(plain(key).strip()) and (
-            others_in(said) or names_spectrum(said)
+        said, what = without_aim(plain(value)), plain(key).strip()
+        spectral = names_spectrum(said)
+        if (spectral and _OF_A_TITLE.fullmatch(what)) or (
+            (spectral or others_in(said)) and _OF_THE_NUMBERS.fullmatch(what)
         ):
             raise self.fault(f"found {words!r}; expected an acceleration", at)
         number = re.match(r"\s*[-+]?\.?\d", value)

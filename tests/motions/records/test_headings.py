@@ -148,6 +148,7 @@ REFUSED = {
     "Response spectrum\nt,a": "'Response spectrum'; expected an acceleration",
     "Quantity: Displacement\nt,a": "'Quantity: Displacement'; expected an acc",
     "Data type: Response spectrum\nt,a": "'Data type: Response spectrum'; expected",
+    "Title: Response spectrum of Nowhere\nt,a": "'Title: Response spectrum of Nowhere'",
     "Values in counts\nt,a": "'Values in counts'; expected an acceleration",
     "units: furlongs\nt,a": "the unit 'furlongs'; expected m/s2",
     "units: m, s, kN\nt,a": "the unit 'm, s, kn'",
