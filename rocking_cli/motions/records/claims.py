@@ -9,7 +9,13 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 from .aims import begins_with_spectrum, names_spectrum, without_aim
-from .directions import direction_behind, is_direction, is_up_alone, up_at_end
+from .directions import (
+    direction_behind,
+    is_direction,
+    is_up_alone,
+    up_at_end,
+    vertical_by_angle,
+)
 from .factors import states_factor
 from .headings import (
     ACCELERATION,
@@ -204,6 +210,7 @@ class Claims:
             self.component = named.component
         elif not _KEYED.match(words) and (up := up_at_end(words)) is not None:
             self.component = up
+        self.component = vertical_by_angle(words) or self.component
         for found in _COMPONENT.finditer(words):
             said = direction_behind(words[found.end() :])
             if is_direction(said) or cell_of(said).component is not None:

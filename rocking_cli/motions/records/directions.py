@@ -51,6 +51,24 @@ _TITLE_OF_UP = re.compile(
 )
 
 
+# keys of an angle; beside one may stand UP, and a dip of 90 deg is vertical
+_ANGLE = re.compile(
+    r"\b(?:(?:azimuth?|axis|sensor|achse|asse|eje)\W*(?P<word>[^\W\d_]+)"
+    r"|(?:dip|inclination)\W*[-+]?90(?:\.0*)?(?!\.?\d))",
+    re.IGNORECASE,
+)
+
+
+def vertical_by_angle(words: str) -> str | None:
+    """Return the vertical direction that a line states in the place of an angle, as
+    `Azimuth: UP` or `Dip: -90`.
+    """
+    for found in _ANGLE.finditer(words):
+        if found["word"] is None or is_up(found["word"]):
+            return found["word"] or "vertical"
+    return None
+
+
 def direction_behind(words: str) -> str:
     """Return the word behind `Component` and words such as CHAN 2, which may be a
     direction.
