@@ -156,6 +156,10 @@ def test_an_intensity_measure(measure):
     word = rf"\b{measure.name}\b"
     require(
         {
+            f"{measure.name}: no dimension {measure.dimension!r} in UNITS of"
+            " rocking_cli/documents/quantities.py; for a new one then `make schema`": (
+                measure.dimension in UNITS
+            ),
             f"no {measure.name} in the docstring of commands/fragility.py": re.search(
                 word, of_fragility.partition("Measures:")[2]
             ),
