@@ -20,8 +20,8 @@ demo: out/demo.h5 ## Set up .venv and compute a first spectrum, out/demo.h5
 test: $(STAMPS)/test ## Set up .venv and run the tests
 lint: $(STAMPS)/lint ## Format, rules and types
 
-# The rooms whose files differ from the last commit or are new, or ROOMS="tests/structures tests/motions".
-ROOMS ?= $(shell (git diff --name-only HEAD; git ls-files --others --exclude-standard) | sed -nE 's,^(rocking_cli|tests)/([a-z]+)/.*,tests/\2,p' | sort -u)
+# The rooms whose files differ from the last commit or are new, of help pages their tests alone; or ROOMS="tests/structures tests/motions".
+ROOMS ?= $(shell (git diff --name-only HEAD; git ls-files --others --exclude-standard) | sed -nE -e 's,^rocking_cli/commands/pages/.*,tests/commands/test_help.py,p;t' -e 's,^(rocking_cli|tests)/([a-z]+)/.*,tests/\2,p' | sort -u)
 # What says where a word of a registry is missing.
 REGISTRIES := tests/test_registries.py tests/test_plugins.py
 quick: $(STAMPS)/dev ## What a small change needs: rules, types, the registries, and the quick tests of the rooms that it touches
@@ -32,7 +32,12 @@ quick: $(STAMPS)/dev ## What a small change needs: rules, types, the registries,
 	  wait $$types || tests=1; \
 	  echo "$$(($$(date +%s) - began)) s: rules, types, registries, $(or $(wildcard $(ROOMS)),no room)"; exit $$tests
 
-$(STAMPS)/install: pyproject.toml
+# A worktree may link the .venv of another checkout: it is used as it stands, with the package that stands here.
+LINKED := $(shell test -L .venv && echo linked)
+ifdef LINKED
+export PYTHONPATH = $(CURDIR)
+endif
+$(STAMPS)/install: $(if $(LINKED),,pyproject.toml)
 	$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11) and "Python 3.11 or newer is needed: make PYTHON=...")'
 	$(PYTHON) -m venv .venv
 	.venv/bin/python -m pip install --quiet --disable-pip-version-check --editable .

@@ -9,14 +9,18 @@ from inspect import signature
 
 import click
 import pytest
+from support.packages import installed
+from support.record_layouts import at2, wave
 from support.shown_commands import README, ROOT
 
 from rocking_cli.commands import cli
 from rocking_cli.commands.ground import OF_A_PULSE
 from rocking_cli.commands.help import page
-from rocking_cli.motions.intensity_measures import MEASURES
+from rocking_cli.documents.quantities import UNITS, si_unit
+from rocking_cli.motions.intensity_measures import MEASURES, Measure, measure_of
 from rocking_cli.motions.pulses import PULSES
 from rocking_cli.motions.records import FORMATS
+from rocking_cli.reports.units import Units, dimension_of_measure
 from rocking_cli.structures import build_structure, read_documents
 from rocking_cli.structures.kinds import KINDS, known_keys, sizes_of
 
@@ -101,6 +105,49 @@ def test_a_record_format(name):
         )
 
 
+def of_a_package(monkeypatch, tmp_path, dimension):
+    """The name of a measure that an installed package adds, of this dimension."""
+    source = f"""
+DIMENSION = {dimension!r}
+
+def value(record):
+    return float(abs(record.acceleration).max())
+"""
+    installed(monkeypatch, tmp_path, "rocking.measures", "ours", source)
+    return "ours"
+
+
+@pytest.mark.parametrize("dimension", UNITS)
+def test_a_table_shows_the_unit_of_every_measure(monkeypatch, tmp_path, dimension):
+    name = of_a_package(monkeypatch, tmp_path, dimension)
+    held = [x for x in MEASURES.values() if x.dimension == dimension]
+    for measure in (*held, measure_of(name)):
+        units = Units(dimensions={"median": dimension_of_measure(measure.name)})
+        assert units.column("median") == ("median", si_unit(dimension), 1.0)
+
+
+def test_fragility_and_records_show_a_measure_with_its_unit(
+    rocking, monkeypatch, tmp_path
+):
+    """`rocking fragility` also one of an installed package, `rocking records` those of
+    the registry."""
+    name = of_a_package(monkeypatch, tmp_path, "time")
+    for i in range(5):
+        record = at2(wave(60, 0.2), dt=0.03 + 0.01 * i)
+        (tmp_path / f"{i}.at2").write_text(record)
+    call = ("fragility", "block:0.5x2", "--motion", ".")
+    done = rocking(*call, "--levels", "2s:20s:4", "--im", name, "--model", "linear")
+    assert "median [s]" in done.stdout, done.stderr
+
+    total = Measure("total", "time", of_record=lambda record: record.duration)
+    monkeypatch.setitem(MEASURES, "total", total)
+    done = rocking("records", "configs/motions/synthetic.at2", "--csv")
+    (row,) = done.rows
+    assert row["total"] == row["duration"]
+    done = rocking("records", "configs/motions/synthetic.at2")
+    assert re.search(r"\btotal \[s\]", done.stdout)
+
+
 @pytest.mark.parametrize("measure", MEASURES.values(), ids=list(MEASURES))
 def test_an_intensity_measure(measure):
     of_fragility = in_one_line(cli.get_command(click.Context(cli), "fragility").help)
@@ -109,6 +156,10 @@ def test_an_intensity_measure(measure):
     word = rf"\b{measure.name}\b"
     require(
         {
+            f"{measure.name}: no dimension {measure.dimension!r} in UNITS of"
+            " rocking_cli/documents/quantities.py; for a new one then `make schema`": (
+                measure.dimension in UNITS
+            ),
             f"no {measure.name} in the docstring of commands/fragility.py": re.search(
                 word, of_fragility.partition("Measures:")[2]
             ),

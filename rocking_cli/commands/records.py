@@ -15,6 +15,7 @@ from .parameter_types import NUMBER
 from .printing import emit, note, printed, units_of
 
 if TYPE_CHECKING:
+    from ..motions.intensity_measures import Measure
     from ..motions.records import Record
 
 # the columns that say which row it is, of a spectrum with T
@@ -99,6 +100,7 @@ def records(
     from ..motions.buildings import floor_record, parse_building
     from ..motions.reading import read_set
     from ..motions.records.record import ALL, chosen
+    from ..reports.units import dimension_of_measure
 
     figure = wanted.figure
     if wanted.output is None:
@@ -149,7 +151,8 @@ def records(
         emit(taken, SPECTRUM_COLUMNS, keys=(*KEYS, "T"))
         figure.draw(taken)
     else:
-        emit(taken, COLUMNS, keys=KEYS)
+        dimensions = {x.name: dimension_of_measure(x.name) for x in _further_measures()}
+        emit(taken, COLUMNS, keys=KEYS, dimensions=dimensions)
         if figure.output is not None:
             from ..reports.drawing_files import draw_records
 
@@ -190,7 +193,19 @@ def _write(output: Path, records: list[Record], overwrite: bool) -> None:
         file.write(at2_text(records[0]).encode("ascii"))
 
 
+def _further_measures() -> list[Measure]:
+    """Return the measures of the registry that a record has and no column shows yet."""
+    from ..motions.intensity_measures import MEASURES
+
+    return [
+        measure
+        for measure in MEASURES.values()
+        if measure.of_structure is None and measure.name.casefold() not in COLUMNS
+    ]
+
+
 def _row(record: Record, chord: float | None = None) -> dict[str, Any]:
+    """Return the row of a record; chord: `floor_chord` of a floor."""
     from ..motions.intensity import intensity
 
     measured = intensity(record)
@@ -206,4 +221,5 @@ def _row(record: Record, chord: float | None = None) -> dict[str, Any]:
         "header_difference": difference,
         "unit": record.unit,
         **({} if chord is None else {"floor_chord": chord}),
+        **{one.name: one.value_of_record(record) for one in _further_measures()},
     }

@@ -49,8 +49,7 @@ GROUP = "rocking.measures"
 @dataclass(frozen=True)
 class Measure:
     """An intensity measure, by one of three functions that return it in SI. Raises
-    ValueError for another number of functions, an unknown dimension or a power that is
-    not positive.
+    ValueError for another number of functions or a power that is not positive.
     """
 
     name: str  # as options and tables have it
@@ -70,11 +69,6 @@ class Measure:
             raise ValueError(
                 f"measure {self.name}: expected one of of_motion, of_structure and"
                 " of_record"
-            )
-        if self.dimension not in UNITS:
-            raise ValueError(
-                f"measure {self.name}: found the dimension {self.dimension!r}; expected"
-                f" one of {', '.join(UNITS)}"
             )
         if not 0.0 < self.power < math.inf:
             raise ValueError(

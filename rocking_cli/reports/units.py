@@ -10,32 +10,24 @@ from functools import cache
 from typing import Any
 
 from ..arguments import check_fields
-from ..documents.quantities import DEFAULT_GRAVITY, headed
+from ..documents.quantities import DEFAULT_GRAVITY, UNITS, headed, si_unit
 from ..errors import UsageError
 
-SI = {
-    "angle": "rad",
+SI = {dimension: si_unit(dimension) for dimension in UNITS} | {
     "angular velocity": "rad/s",
-    "frequency parameter": "rad/s",
     "circular frequency": "rad/s",
-    "acceleration": "m/s2",
-    "velocity": "m/s",
-    "length": "m",
-    "mass": "kg",
-    "time": "s",
     "intensity": "m/s",
     "gravity": "m/s2",
-    "frequency": "Hz",
-    "force": "N",
-    "stress": "Pa",
-    "stiffness": "N/m",
     "moment": "N m",
     "annual rate": "1/yr",
     "years": "yr",
 }
-"""The SI unit of each dimension (years for rates). `--units` must not change gravity
-and Arias intensity: they are separate dimensions.
+"""The SI unit of each dimension (years for rates), an empty text for numbers. `--units`
+must not change gravity, Arias intensity and CAV: they are separate dimensions.
 """
+
+OF_INTENSITY = ("arias", "cav")
+"""The velocities that `--units` does not change."""
 
 COLUMNS = {
     **dict.fromkeys(
@@ -77,7 +69,7 @@ COLUMNS = {
     "tie_elongation": "length",
     "permanent": "length",
     **dict.fromkeys(
-        ("ground_acceleration", "pga", "header_pga", "floor_pga", "S_a", "sa", "avgsa"),
+        ("ground_acceleration", "pga", "header_pga", "floor_pga", "S_a"),
         "acceleration",
     ),
     **dict.fromkeys(
@@ -100,8 +92,7 @@ COLUMNS = {
     **dict.fromkeys(("impulse_x", "impulse_z"), "time"),
     "worst_f_g": "frequency",
     "pgv": "velocity",
-    "arias": "intensity",
-    "cav": "intensity",
+    **dict.fromkeys(OF_INTENSITY, "intensity"),
     "gravity": "gravity",
     "mass": "mass",
     **dict.fromkeys(
@@ -296,7 +287,7 @@ def dimension_of(column: str) -> str | None:
     """Return the dimension of a column, also of a side (left_p), a list item
     (hinges_1_angle) or an equation (theta_linear), or None.
     """
-    if found := COLUMNS.get(column.partition("(")[0]):  # SA(1) is SA at 1 s
+    if found := COLUMNS.get(column):
         return found
     if (match := _OF_A_RESTRAINT.fullmatch(column)) and match[1] in _RESTRAINT:
         return _RESTRAINT[match[1]]
@@ -332,10 +323,15 @@ def is_choice(unit: str) -> bool:
 
 
 def dimension_of_measure(im: str) -> str | None:
-    """Return the dimension of an intensity measure such as PGA or SA(1), None without a
-    unit.
+    """Return the dimension of an intensity measure such as PGA or SA(1); None without a
+    unit, and for a measure that is not known here.
     """
-    return dimension_of(im.lower())
+    from ..motions.intensity_measures import measure_named
+
+    measure = measure_named(im, "im")
+    if measure is None or not measure.unit:
+        return None
+    return "intensity" if im.lower() in OF_INTENSITY else measure.dimension
 
 
 def si_of(heading: str) -> tuple[str, float]:

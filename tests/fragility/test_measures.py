@@ -136,7 +136,6 @@ def test_a_measure_of_records_alone_is_compared_under_records_alone(monkeypatch)
     [
         ({"of_motion": None}, "expected one of of_motion, of_structure and of_record"),
         ({"of_record": lambda record: 1.0}, "expected one of of_motion, of_structure"),
-        ({"dimension": "weight"}, "found the dimension 'weight'; expected one of"),
         ({"power": 0.0}, "found the power 0.0; expected a positive number"),
     ],
 )

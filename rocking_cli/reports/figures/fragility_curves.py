@@ -10,7 +10,7 @@ import numpy as np
 from ...documents.quantities import headed
 from ...dynamics.outcome import Outcome
 from ..rows import Rows, column, groups
-from ..units import Units, dimension_of
+from ..units import Units, dimension_of_measure
 from .canvas import (
     MARKERS,
     PLAIN,
@@ -42,7 +42,7 @@ def fragility_curves(figure: Figure, rows: Rows, units: Units) -> list[Axes]:
     """
     axes = figure.add_subplot()
     im, keys = rows[0]["im"], ("structure", "limit_state", "method")
-    dimension = dimension_of(im.lower())
+    dimension = dimension_of_measure(im)
     unit, factor = ("", 1.0) if dimension is None else units.of(dimension)
     rows = [{**row, "limit_state": _limit_in_words(row["limit_state"])} for row in rows]
     varied = [key for key in keys if len(groups(rows, key)) > 1]
