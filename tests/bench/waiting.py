@@ -52,6 +52,14 @@ ROWS = {
     "envelope of 2 bodies at 60 frequencies": (
         "envelope {configs}/block.yaml {configs}/rigid.yaml --grid f_g=0.5:5:60"
     ),
+    "fragility under 7 records with a hazard": (
+        "fragility {configs}/block.yaml --motion seven --levels 0.1g:1g:10 --hazard"
+        " {configs}/hazard.csv"
+    ),
+    "fragility of 3 blocks under 7 records": (
+        "fragility three.yaml --motion seven --levels 0.1g:1g:10 --hazard"
+        " {configs}/hazard.csv"
+    ),
     "plot of 4 maps": "plot four.h5 --all -o four.png --overwrite",
     "spectrum of 10 x 10 cells": (
         "spectrum --eta 0.9 --grid A=0.5:12:10,Omega=0.5:12:10 -o s.h5 --overwrite"
@@ -74,6 +82,12 @@ def documents(folder: Path) -> None:
             BLOCK.format(n=n, width=0.2 * h, height=h) for n, h in enumerate(heights)
         )
     )
+    (folder / "three.yaml").write_text(
+        "---\n".join(
+            BLOCK.format(n=n, width=w, height=h)
+            for n, (w, h) in enumerate(((0.5, 2.0), (0.4, 1.8), (0.6, 2.6)))
+        )
+    )
     sizes = [0.5 + 0.13 * n for n in range(12)]
     (folder / "statues.yaml").write_text(
         "---\n".join(
@@ -85,15 +99,16 @@ def documents(folder: Path) -> None:
     )
     at2_file(folder / "far.at2", *far_shock())
     at2_file(folder / "near.at2", *near_shock())
-    records = folder / "records"
-    records.mkdir()
-    for n in range(22):  # the two records, at other speeds and peaks
-        samples, dt = (far_shock, near_shock)[n % 2]()
-        at2_file(
-            records / f"r{n:02d}.at2",
-            np.append(samples[n * 5 :], samples[: n * 5]) * (0.6 + 0.04 * n),
-            dt,
-        )
+    for name, count in (("records", 22), ("seven", 7)):
+        records = folder / name
+        records.mkdir()
+        for n in range(count):  # the two records, at other speeds and peaks
+            samples, dt = (far_shock, near_shock)[n % 2]()
+            at2_file(
+                records / f"r{n:02d}.at2",
+                np.append(samples[n * 5 :], samples[: n * 5]) * (0.6 + 0.04 * n),
+                dt,
+            )
 
 
 def waited(package: Path, command: str, folder: Path) -> Waited:
