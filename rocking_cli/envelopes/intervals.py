@@ -50,8 +50,8 @@ CURVE_KEYS = ("structure", "curve", "Omega")
 INTERVAL_COLUMNS = ("structure", "Omega", "A_from", "A_to", "mode", *NAMED)
 CURVE_COLUMNS = ("structure", "curve", "Omega", "A", *NAMED)
 # number of amplitudes of an exact equation that take as long as one amplitude of
-# another equation
-_IN_STEPS = 20
+# another equation, and as one of those between which Lemma 15 proves the outcome
+_IN_STEPS, _IN_STRETCHES = 20, 4
 _SMALL = 2_000_000  # with fewer amplitudes of an exact equation one process is faster
 # amplitudes of an exact equation between two reports of a process, some seconds
 _SHARE = 8_000_000
@@ -160,7 +160,7 @@ def trace_envelope(
     searches, amplitudes = _scan_of(motion, omegas.size, structure, method, a_max, sign)
     if workers is not None and workers < 1:
         raise UsageError(f"`workers`: found {workers}; expected a whole number from 1")
-    work = amplitudes * (1 if method.exact else _IN_STEPS)
+    work = amplitudes * _effort(method, searches)
     if workers is None:
         workers = 1 if work < _SMALL else available_cpus()
     # Neighbouring frequencies cost about the same, so each share takes frequencies from
@@ -176,6 +176,16 @@ def trace_envelope(
         if progress:
             progress((i + 1) * omegas.size // shares, omegas.size)
     return [interval for row in found for interval in row]
+
+
+def _effort(method: Method, searches: Sequence[Search]) -> int:
+    """The time of an amplitude over that of one of an exact equation."""
+    if method.exact:
+        return 1
+    from .stretches import Stretches
+
+    stretches = all(Stretches.supports(one.system, one.motion) for one in searches)
+    return _IN_STRETCHES if stretches else _IN_STEPS
 
 
 def merged(searches: Sequence[Search], omegas: np.ndarray) -> list[Steps]:

@@ -56,8 +56,13 @@ ROWS = {
     "envelope of 2 bodies at 60 frequencies": (
         "envelope {configs}/block.yaml {configs}/rigid.yaml --grid f_g=0.5:5:60"
     ),
-    "fragility of 7 records with hazard": (
-        "fragility block:0.5x2 --motion seven --levels 0.1g:1.5g:12 --hazard hazard.csv"
+    "fragility under 7 records with a hazard": (
+        "fragility {configs}/block.yaml --motion seven --levels 0.1g:1g:10 --hazard"
+        " {configs}/hazard.csv"
+    ),
+    "fragility of 3 blocks under 7 records": (
+        "fragility three.yaml --motion seven --levels 0.1g:1g:10 --hazard"
+        " {configs}/hazard.csv"
     ),
     "plot of 4 maps": "plot four.h5 --all -o four.png --overwrite",
     "animation of a response": "plot response.csv --animate r.gif --overwrite",
@@ -70,9 +75,6 @@ PREPARED = (
     "spectrum {configs}/block.yaml {configs}/rigid.yaml {configs}/frame.yaml"
     " {configs}/prism.yaml --grid a_g=0.05g:1g:40,f_g=0.5:5:40 -o four.h5",
     "response {configs}/block.yaml --a-g 0.3g --f-g 1.5 --csv",
-)
-HAZARD = "PGA [g],annual_rate\n" + "\n".join(
-    f"{pga:g},{8e-3 * (pga / 0.1) ** -2.3:.3g}" for pga in 0.02 * 2.0 ** np.arange(7)
 )
 START = "spectrum --eta 0.9 --grid A=1:2:2,Omega=1:2:2 -o start.h5 --overwrite"
 IMPORTS = "import numpy, h5py"
@@ -94,6 +96,12 @@ def documents(folder: Path) -> None:
             BLOCK.format(n=n, width=0.2 * h, height=h) for n, h in enumerate(heights)
         )
     )
+    (folder / "three.yaml").write_text(
+        "---\n".join(
+            BLOCK.format(n=n, width=w, height=h)
+            for n, (w, h) in enumerate(((0.5, 2.0), (0.4, 1.8), (0.6, 2.6)))
+        )
+    )
     sizes = [0.5 + 0.13 * n for n in range(12)]
     (folder / "statues.yaml").write_text(
         "---\n".join(
@@ -105,11 +113,9 @@ def documents(folder: Path) -> None:
     )
     at2_file(folder / "far.at2", *far_shock())
     at2_file(folder / "near.at2", *near_shock())
-    for n in range(22):  # the two records, at other speeds and peaks
-        _vary((far_shock, near_shock)[n % 2](), n, folder / "records")
-    for n in range(7):
-        _vary(near_shock(), 2 * n, folder / "seven")
-    (folder / "hazard.csv").write_text(HAZARD)
+    for name, count in (("records", 22), ("seven", 7)):
+        for n in range(count):  # the two records, at other speeds and peaks
+            _vary((far_shock, near_shock)[n % 2](), n, folder / name)
     for command in PREPARED:
         done = ran(HERE, command, folder)
         if done.returncode:
