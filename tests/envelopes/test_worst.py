@@ -15,8 +15,8 @@ from rocking_cli import (
     parse_grid,
     pulse,
 )
-from rocking_cli.envelopes.intervals import trace_envelope
 from rocking_cli.envelopes.first_falls import FirstFalls
+from rocking_cli.envelopes.intervals import trace_envelope
 from rocking_cli.envelopes.worst import _Group, _Rows, at_worst_frequency
 
 
