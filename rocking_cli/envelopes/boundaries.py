@@ -9,7 +9,7 @@ amplitude above one that overturns without impact does so too.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
 
@@ -132,34 +132,10 @@ class Search:
             rows[row].append((amplitude, label))
         return rows
 
-    def fall(self, omega: float) -> tuple[Brackets, int]:
-        """(bracket of the lowest change to an unsafe outcome in the scan at one Omega,
-        row 0, if any; outcome at `a_max`).
-        """
-        # The first amplitude counts too, as a change from rocking to its outcome.
-        begins, brackets = self._scan(np.array([omega]))
-        start = Brackets(
-            *(
-                np.array([x])
-                for x in (0, self.lowest, self.lowest, Outcome.ROCKED, begins[0])
-            )
-        )
-        brackets = brackets.join(start)
-        falls = np.flatnonzero(~safe(brackets.above))
-        return brackets.take(falls[brackets.high[falls].argsort()[:1]]), int(
-            brackets.above[brackets.high.argmax()]
-        )
-
-    def first_falls_in(self, omega: float, brackets: Brackets) -> list[float]:
-        """The lowest unsafe amplitude of each bracket at one Omega."""
-        rows = np.arange(brackets.row.size)
-        found = self._narrowed(
-            np.full(rows.size, omega), replace(brackets, row=rows), lowest=True
-        )
-        return [
-            float(found.high[(found.row == row) & ~safe(found.above)].min())
-            for row in rows
-        ]
+    def amplitudes(self, omega: float) -> Array:
+        """The amplitudes of the scan at one Omega that no theorem decides."""
+        first, last = self._points_to_compute(np.array([omega]))
+        return self.grid.amplitude(np.arange(first[0], last[0] + 1))
 
     def first_falls(self, omegas: Array) -> list[Steps]:
         """As `rows`, but only up to the lowest unsafe amplitude of the scan, which is

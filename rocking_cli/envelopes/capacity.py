@@ -16,13 +16,20 @@ import numpy as np
 
 from ..dynamics.march.closings import FEW_SIGN_CHANGES
 from ..dynamics.method import Method
-from ..dynamics.outcome import Outcome
+from ..dynamics.outcome import Outcome, safe
+from ..dynamics.shared_march import SharedMarch
 from ..errors import UsageError
 from ..motions import Motion
 from ..structures.parameters import RockingParameters
 from .amplitudes import COARSE, LONGEST_FINE
-from .boundaries import Search
-from .changes import Brackets
+from .boundaries import (
+    ScanPoints,
+    Search,
+    changes_between,
+    lifted,
+    looks_finely,
+)
+from .changes import Brackets, narrowed
 from .intervals import HIGHEST
 
 if TYPE_CHECKING:
@@ -98,26 +105,23 @@ class CapacitySearch(NamedTuple):
 
     def capacity(
         self,
-        fall_search: FallSearch | None = None,
+        begun: FallSearch | Capacity | None = None,
         progress: Callable[[float], None] | None = None,
     ) -> Capacity:
-        """Compute the capacity; fall_search: one of `fall_searches`; progress: called
-        now and then with about the share that is done.
+        """Compute the capacity; begun: what `begun_together` has found of it; progress:
+        called now and then with about the share that is done.
 
         Intervals narrower than `narrowest` may be missed, but not around the demand.
         Changes are traced to `tracing_width`. Raises UsageError if the demand or
         `a_max` is above the limit of a scan.
         """
-        lowest, top = self.ends()
-        if not lowest < top:
-            return Capacity(None, None, lowest if np.isfinite(lowest) else None)
-        fall_search = fall_search or fall_searches([self])[0]
-        if fall_search is None:
-            return self._by_windows(lowest, top)
+        if begun is None:
+            (begun,) = begun_together([self])
+        if isinstance(begun, Capacity):
+            return begun
         if progress is not None:
-            told = _told_by_marches(fall_search.falls, progress)
-            fall_search = replace(fall_search, falls=told)
-        return self._by_falls(fall_search, lowest, top)
+            begun = replace(begun, falls=_told_by_marches(begun.falls, progress))
+        return self._by_falls(begun, *self.ends())
 
     def _by_falls(self, falls: FallSearch, lowest: float, top: float) -> Capacity:
         """The capacity under a record: the lowest falls below and above the demand."""
@@ -129,65 +133,173 @@ class CapacitySearch(NamedTuple):
         share = 0.0 if first is None else falls.share_of_falls(first)
         return Capacity(first, above, lowest, share)
 
-    def _by_windows(self, lowest: float, top: float) -> Capacity:
-        """The capacity under a pulse: one window of amplitudes after the other, until
-        the outcome at the demand and the next fall above it are known.
-        """
-        motion, demand = self.motion, self.amplitude
-        system = self.method.system_of(self.structure)
-        search = Search(
-            system,
-            motion,
+    def _search(self) -> Search:
+        """The search for the changes of the outcome, under a pulse."""
+        return Search(
+            self.method.system_of(self.structure),
+            self.motion,
             self.structure.eta,
-            top,
-            digits=tracing_width(self.method, motion),
+            self.ends()[1],
+            digits=tracing_width(self.method, self.motion),
             parts=_PARTS,
         )
-        brackets: list[Brackets] = []
-        above_demand = False
-        for begin, end in _windows(lowest, demand, top, at_once=system.bounded):
-            fall, last = replace(search, a_min=begin, a_max=end).fall(self.omega)
-            brackets += [fall] if fall.row.size else []
-            above_demand = begin >= demand and fall.row.size > 0
-            if above_demand or (end <= demand and not Outcome(last).safe):
-                break
-        if not brackets:
-            return Capacity(None, None, lowest)
-
-        found = search.first_falls_in(self.omega, Brackets.joined(brackets))
-        first, share_of_falls = min(found), 0.0
-        if falls_may_be_narrow(motion):
-            first, share_of_falls = self.fall_search().lowest_and_share(lowest, first)
-        if not above_demand:
-            return Capacity(first, None, lowest, share_of_falls)
-        safe_to = found[-1] if first < demand else first
-        return Capacity(first, safe_to, lowest, share_of_falls)
 
 
-def fall_searches(
+def begun_together(
     searches: Sequence[CapacitySearch], progress: Callable[[float], None] | None = None
-) -> list[FallSearch | None]:
-    """Return for each capacity the search for narrow overturning intervals, None if its
-    motion needs none; one scan serves all searches. progress: called now and then with
-    about the share of the searches that is done. Raises UsageError as
-    `CapacitySearch.ends`.
+) -> list[FallSearch | Capacity]:
+    """Return for each search under a record the search for narrow overturning
+    intervals, whose scans are one; under a pulse, and where the body is not lifted, the
+    capacity. progress: called now and then with about the share of the searches that is
+    done. Raises UsageError as `CapacitySearch.ends`.
     """
-    found: list[FallSearch | None] = []
+    found: dict[int, FallSearch | Capacity] = {}
     scanned = []
-    for one in searches:
+    motions: dict[int, list[int]] = {}  # the searches under each pulse
+    for i, one in enumerate(searches):
         lowest, top = one.ends()
-        fall_search = one.fall_search() if _long(one.motion) and lowest < top else None
-        found.append(fall_search)
-        if fall_search is not None:
-            scanned.append(
-                (fall_search, lowest, float(np.clip(one.amplitude, lowest, top)), top)
-            )
+        if not lowest < top:
+            found[i] = Capacity(None, None, lowest if np.isfinite(lowest) else None)
+        elif _long(one.motion):
+            found[i] = fall_search = one.fall_search()
+            demand = float(np.clip(one.amplitude, lowest, top))
+            scanned.append((fall_search, lowest, demand, top))
+        else:
+            motions.setdefault(id(one.motion), []).append(i)
     if scanned:
         from .lowest_fall import scan_together
 
         told = progress or (lambda _: None)
         scan_together(scanned, lambda share: told(_SCANNED * share))
-    return found
+    for own in motions.values():
+        # Where the scan looks finely, the march of a body must not depend on others.
+        finely = looks_finely(searches[own[0]].motion)
+        groups = [[i] for i in own] if finely else [own]
+        for group in groups:
+            capacities = _Windows([searches[i] for i in group]).capacities()
+            found.update(zip(group, capacities, strict=True))
+    return [found[i] for i in range(len(searches))]
+
+
+class _Windows:
+    """The capacities of several bodies under one pulse: one window of amplitudes after
+    the other, until the outcome at the demand and the next fall above it are known.
+    """
+
+    def __init__(self, asked: Sequence[CapacitySearch]) -> None:
+        self.asked = asked
+        self.motion = asked[0].motion
+        self.searches = [one._search() for one in asked]
+        self.omega = np.array([one.omega for one in asked])  # of each body [-]
+        self.march = SharedMarch(
+            self.motion, [one.structure for one in asked], [one.method for one in asked]
+        )
+        # the brackets of falls of each body, in the order of their amplitudes
+        self.brackets: list[list[Brackets]] = [[] for _ in asked]
+        # True if the last bracket of a body is above its demand
+        self.above_demand = [False for _ in asked]
+
+    def capacities(self) -> list[Capacity]:
+        """Compute the capacities."""
+        windows = [
+            _windows(search.uplift, one.amplitude, search.a_max, search.system.bounded)
+            for search, one in zip(self.searches, self.asked, strict=True)
+        ]
+        going = list(range(len(windows)))
+        while going:
+            window = {i: next(windows[i], None) for i in going}
+            open_ones = {i: ends for i, ends in window.items() if ends is not None}
+            going = self._searched(open_ones) if open_ones else []
+        firsts = self._first_falls()
+        return [self._capacity(i, found) for i, found in enumerate(firsts)]
+
+    def _searched(self, windows: dict[int, tuple[float, float]]) -> list[int]:
+        """Search a window of each of these bodies; returns the bodies to go on with."""
+        bodies = list(windows)
+        searches = [
+            replace(self.searches[i], a_min=begin, a_max=end)
+            for i, (begin, end) in windows.items()
+        ]
+        parts = [
+            search.amplitudes(float(self.omega[i]))
+            for i, search in zip(bodies, searches, strict=True)
+        ]
+        row = np.repeat(bodies, [part.size for part in parts])
+        points = self._compute(row, np.concatenate(parts))
+        counted = np.ones(row.size - 1, dtype=bool)
+        finely = looks_finely(self.motion)
+        changes = changes_between(points, counted, finely, self._compute)
+        going = []
+        for i, search in zip(bodies, searches, strict=True):
+            label = points.label[row == i]
+            own = changes.take(np.flatnonzero(changes.row == i))
+            fall = _lowest_fall(own, i, search.lowest, int(label[0]))
+            begin, end = windows[i]
+            self.brackets[i] += [fall] if fall.row.size else []
+            demand = self.asked[i].amplitude
+            self.above_demand[i] = begin >= demand and fall.row.size > 0
+            falls_at_demand = end <= demand and not safe(label[-1:])[0]
+            if not (self.above_demand[i] or falls_at_demand):
+                going.append(i)
+        return going
+
+    def _compute(self, row: Array, amplitude: Array) -> ScanPoints:
+        """Compute the amplitudes of these bodies."""
+        _, label, impacts = self.march.response(
+            row, amplitude, self.omega[row], peaks=False
+        )
+        return ScanPoints(row, amplitude, lifted(label), impacts)
+
+    def _first_falls(self) -> list[list[float]]:
+        """The lowest overturning amplitude of each bracket of each body."""
+        brackets = [one for own in self.brackets for one in own]
+        body = np.repeat(np.arange(len(self.asked)), list(map(len, self.brackets)))
+        first = np.zeros(body.size)
+        digits = np.array([search.digits for search in self.searches])[body]
+        for width in np.unique(digits):
+            at = np.flatnonzero(digits == width)
+            joined = Brackets.joined([brackets[i] for i in at])
+            found = narrowed(
+                lambda amplitude, row: self._outcome(amplitude, body[row]),
+                replace(joined, row=at),
+                float(width),
+                _PARTS,
+                True,
+            )
+            fallen = ~safe(found.above)
+            for i in at:
+                first[i] = found.high[fallen & (found.row == i)].min()
+        return [first[body == i].tolist() for i in range(len(self.asked))]
+
+    def _outcome(self, amplitude: Array, body: Array) -> Array:
+        """The outcomes of these bodies, in the shape of the amplitudes."""
+        own = np.broadcast_to(body, amplitude.shape).ravel()
+        return self._compute(own, amplitude.ravel()).label.reshape(amplitude.shape)
+
+    def _capacity(self, i: int, found: list[float]) -> Capacity:
+        """The capacity of a body from the lowest overturning amplitudes found."""
+        one, lowest = self.asked[i], self.searches[i].uplift
+        if not found:
+            return Capacity(None, None, lowest)
+        first, share_of_falls = min(found), 0.0
+        if falls_may_be_narrow(self.motion):
+            first, share_of_falls = one.fall_search().lowest_and_share(lowest, first)
+        if not self.above_demand[i]:
+            return Capacity(first, None, lowest, share_of_falls)
+        safe_to = found[-1] if first < one.amplitude else first
+        return Capacity(first, safe_to, lowest, share_of_falls)
+
+
+def _lowest_fall(changes: Brackets, row: int, lowest: float, label: int) -> Brackets:
+    """Bracket of the lowest change of a body to an unsafe outcome, if any; the first
+    amplitude counts too, as a change from rocking to its outcome.
+    """
+    start = Brackets(
+        *(np.array([x]) for x in (row, lowest, lowest, Outcome.ROCKED, label))
+    )
+    brackets = changes.join(start)
+    falls = np.flatnonzero(~safe(brackets.above))
+    return brackets.take(falls[brackets.high[falls].argsort()[:1]])
 
 
 def _told_by_marches(

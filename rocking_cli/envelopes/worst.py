@@ -451,8 +451,9 @@ class _Group:
         """The rows of a body whose first fall is no higher than those next to them."""
         own = own[np.isfinite(falls.high[own])]
         for near in (rows.before, rows.after):  # what is clear without narrowing
-            clear = falls.low[own] >= falls.high[near[own]]
-            own = own[~clear | (near[own] == own)]
+            low, high, beside = falls.low, falls.high, near[own]
+            clear = (low[own] >= high[beside]) & (low[beside] < high[own])
+            own = own[~clear | (beside == own)]
         for near in (rows.before, rows.after):
             own = own[falls.not_above(own, near[own])]
         return own

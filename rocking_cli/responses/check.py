@@ -14,7 +14,7 @@ import numpy as np
 from ..dynamics.method import LINEAR, Method
 from ..dynamics.outcome import Outcome
 from ..envelopes.amplitudes import LONGEST_FINE, Limit, limit_of
-from ..envelopes.capacity import Capacity, fall_searches
+from ..envelopes.capacity import Capacity, begun_together
 from ..envelopes.intervals import A_MAX
 from ..errors import UsageError
 from ..motions import Motion
@@ -160,7 +160,7 @@ def _standing(
     motion: Motion,
     shaking: Grid,
     a_max: float | None,
-    fall_search: "FallSearch | None",
+    begun: "FallSearch | Capacity | None",
     done: Callable[[float], None],
 ) -> Standing:
     """Return the outcome and the capacity over the demand of `check`, without the other
@@ -169,7 +169,7 @@ def _standing(
     if friction_that_slides(structure) is not None:
         return Standing(outcome_alone(structure, motion, shaking), None)
     answer = answer_of(capacity_search(structure, motion, shaking, a_max or 0.0))
-    found = answer.search.capacity(fall_search, done)
+    found = answer.search.capacity(begun, done)
     first, _ = answer.lowest(found)
     demand = float(structure.ground_acceleration(answer.search.amplitude))
     return Standing(answer.outcome, None if first is None else first / demand)
@@ -180,12 +180,11 @@ def _judged(
     motion: Motion,
     shaking: Grid,
     a_max: float | None,
-    fall_search: "FallSearch | None",
+    begun: "FallSearch | Capacity | None",
     done: Callable[[float], None],
 ) -> Verdict:
-    """Return the verdict of `check`; fall_search: the search for overturning
-    amplitudes, if one has begun; done: called with the share of the verdict that is
-    known.
+    """Return the verdict of `check`; begun: what is known of the capacity, as of
+    `begun_together`; done: called with the share of the verdict that is known.
     """
     search = capacity_search(structure, motion, shaking, a_max or 0.0)
     answer, method = answer_of(search), search.method
@@ -198,7 +197,7 @@ def _judged(
         least = method.system_of(structure).least_uplift(motion)
         found = replace(found, uplift=least if math.isfinite(least) else None)
     else:
-        found = search.capacity(fall_search, lambda share: done(_SEARCHED * share))
+        found = search.capacity(begun, lambda share: done(_SEARCHED * share))
         searched = least_acceleration(structure, search.ends()[1])
         if structure.restraints:
             bare = search._replace(structure=replace(structure, restraints=None))
@@ -316,16 +315,16 @@ def _dealt(
 def _groups(
     demands: Sequence[Demand], searched: bool, workers: int | None
 ) -> tuple[int, list[Sequence[Demand]]]:
-    """Return (the number of processes, the demands that each judges at a time): under
-    records the searches of a group share their scans, and all groups have one size.
+    """Return (the number of processes, the demands that each judges at a time): the
+    searches of a group share their scans, and all groups have one size.
     """
-    shared = searched and any(
+    under_records = searched and any(
         len(motion.segments) > LONGEST_FINE for _, motion, _ in demands
     )
-    worth = 1 if workers or shared else _WORTH
+    worth = 1 if workers or under_records else _WORTH
     several = max(1, min(workers or available_cpus(), len(demands) // worth))
     size = 1
-    if shared:
+    if searched:
         rounds = math.ceil(len(demands) / (several * _TOGETHER))
         size = math.ceil(len(demands) / (several * rounds))
     return several, [demands[i : i + size] for i in range(0, len(demands), size)]
@@ -356,7 +355,7 @@ def _each(
         None if a_max is None else limit_of(a_max, structure)
         for structure, _, _ in demands
     ]
-    found = fall_searches(
+    found = begun_together(
         [
             capacity_search(*demand, a)
             for demand, a in zip(demands, most, strict=True)
@@ -364,10 +363,10 @@ def _each(
         ],
         lambda share: shares.all(_SEARCHED * share),
     )
-    for i, (demand, a, fall_search) in enumerate(
+    for i, (demand, a, begun) in enumerate(
         zip(demands, most, found or repeat(None), strict=False)
     ):
-        yield judge(*demand, a, fall_search, shares.of(i))
+        yield judge(*demand, a, begun, shares.of(i))
 
 
 def _all(
