@@ -8,6 +8,7 @@ value at uplift of the free body, positive outward.
 
     devices     the restraints in the units of an equation: forces, thresholds, the
                 coefficients of a branch
+    pulls       elongation, lever and moment of devices on their branches
     series      the Taylor series of the motion while no branch changes, and steps with
                 one turn at most
     bounces     how strongly a body is held at the ground, and which bounces end in rest
@@ -16,6 +17,7 @@ value at uplift of the free body, positive outward.
     transitions  restraints from branch to branch: engagement, yield, unloading, slack,
                 rupture
     whole_lines  lines of a record along which nothing happens, as arrays or on floats
+    cuts        where events end steps
     tied_march  from event to event: transitions, impact, rest, overturning
 
 While no restraint changes its branch (slack, elastic, yielding, broken), the body

@@ -16,11 +16,10 @@ on both sides and breaks on both.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, NamedTuple, Self
+from typing import NamedTuple, Self
 
 import numpy as np
 
@@ -29,6 +28,7 @@ from ...structures.restraints import SIDES, Restraints, Tie
 from ..body import Body
 from ..equations.equation import Equation
 from ..lanes import Array
+from .pulls import Pull, elongation
 
 SLACK, ELASTIC, YIELDING, BROKEN = range(4)
 ROWS = ("right", "left")  # sides as rows of arrays
@@ -47,50 +47,6 @@ class Branch(NamedTuple):
     def take(self, at: Array | slice) -> Branch:
         """Return the branches of these lanes."""
         return Branch(*(x[..., at] for x in self))
-
-
-class Pull(NamedTuple):
-    """What devices on their branches pull. Numbers are floats or (lanes,); tuples hold
-    one for each device.
-    """
-
-    fixed: tuple[Any, ...]  # force at e = 0 [N]
-    rate: tuple[Any, ...]  # growth of the force with e [N/m]
-    height: tuple[Any, ...]  # h, of a tendon b [m]
-    behind: tuple[Any, ...]  # x, of a tendon 0 [m]
-    kind: tuple[str, ...]  # the geometry, as of `_elongation`
-    unit: Any  # rotation of y = 1 [rad]
-    moment: Any  # m g R times the unit [N m]
-
-    def at(self, y: Any) -> Any:
-        """The restoring acceleration -y'' that the devices add at y."""
-        theta, total = self.unit * y, 0.0
-        for fixed, rate, height, behind, kind in zip(
-            self.fixed, self.rate, self.height, self.behind, self.kind, strict=True
-        ):
-            force = fixed + rate * _elongation(height, behind, kind, theta)
-            total = total + force * _lever(height, behind, kind, theta)
-        return total / self.moment
-
-
-def _elongation(height: Any, behind: Any, kind: str, theta: Any) -> Any:
-    """The elongation e [m] of a device of a geometry (`Devices`) at theta."""
-    if kind == "linear":
-        return height * theta
-    sin = math.sin if isinstance(theta, float) else np.sin
-    if kind == "tendon":
-        return 2.0 * height * sin(0.5 * theta)
-    return behind * (2.0 * sin(0.5 * theta) ** 2) + height * sin(theta)
-
-
-def _lever(height: Any, behind: Any, kind: str, theta: Any) -> Any:
-    """The lever de/dtheta [m] of a device at theta."""
-    if kind == "linear":
-        return height
-    functions = math if isinstance(theta, float) else np
-    if kind == "tendon":
-        return height * functions.cos(0.5 * theta)
-    return height * functions.cos(theta) + behind * functions.sin(theta)
 
 
 @dataclass(frozen=True, eq=False)
@@ -190,9 +146,7 @@ class Devices:
         """The elongation e [m] of each device at y, (devices, lanes)."""
         theta = self.unit[row, 0] * y
         numbers = self.on(self.height, row), self.on(self.behind, row), self._kinds
-        return np.array(
-            [_elongation(*one, theta) for one in zip(*numbers, strict=True)]
-        )
+        return np.array([elongation(*one, theta) for one in zip(*numbers, strict=True)])
 
     def level(self, row: Array, e: Array) -> Array:
         """The y at which each device has the elongation e [m], (devices, lanes);

@@ -26,7 +26,8 @@ from ..equations.rigid_body import RigidBodyEquation
 from ..equations.taylor import TaylorSeries
 from ..lanes import Array, Lanes
 from ..march.roots import bernstein_form, impact_root, sense
-from .devices import Branch, Devices, Pull
+from .devices import Branch, Devices
+from .pulls import Pull
 
 NewSeries = Callable[[], Series]  # returns an empty series
 

@@ -50,9 +50,10 @@ from ..outcome import FALLEN, LOST, Outcome
 from ..system import System
 from .bounces import Bounces
 from .contact_watch import ContactWatch, Steps
+from .cuts import cut
 from .devices import Branch
-from .series import Law, Step, falls, one_turn
-from .tied_lanes import CutStep, Found, OnBranch, Recorder, StepEnds, TiedLanes, note
+from .series import Law, Step, one_turn
+from .tied_lanes import Found, OnBranch, Recorder, StepEnds, TiedLanes, note
 from .transitions import Transitions
 from .whole_lines import LEAST_LINES, WholeLines
 
@@ -268,23 +269,26 @@ class March:
         if arc is None or lanes.exact[0]:
             arc = self.law.flow(seg, lanes, row, now, lanes.exact)
         step = one_turn(arc, left)
-        cut = self._cut(step, now, low, high, self.touch * lanes.peak)
+        touch, through = self.touch * lanes.peak, self.recorder is None
+        ended = cut(step, now, low, high, touch, through)
         if self.recorder is not None:
-            self.recorder.keep(lanes, step.arc, float(cut.reach[0]), now)
-        self._watch_contact(lanes, row, now, step, cut.reach)
+            self.recorder.keep(lanes, step.arc, float(ended.reach[0]), now)
+        self._watch_contact(lanes, row, now, step, ended.reach)
 
         # The state and the position at the end; at the end of the closed form the next
         # one begins.
-        at_end = cut.up | cut.down
-        whole = (cut.reach >= left) & ~at_end
-        lanes.y, lanes.v = cut.y, cut.v
+        at_end = ended.up | ended.down
+        whole = (ended.reach >= left) & ~at_end
+        lanes.y, lanes.v = ended.y, ended.v
         lanes.segment, lanes.phase = place(
-            seg, k, np.where(whole, 0.0, lanes.phase + lanes.omega * cut.reach)
+            seg, k, np.where(whole, 0.0, lanes.phase + lanes.omega * ended.reach)
         )
         lanes.segment[whole] = (k + 1 + joined)[whole]
         lanes.exact[:] = False
-        bottom = (cut.peaked | (cut.v == 0.0)) & ~cut.peaked & ~at_end
-        ends = StepEnds(cut.up, cut.down, cut.peaked, bottom, cut.top, k >= self.shaken)
+        bottom = (ended.peaked | (ended.v == 0.0)) & ~ended.peaked & ~at_end
+        ends = StepEnds(
+            ended.up, ended.down, ended.peaked, bottom, ended.top, k >= self.shaken
+        )
         return self._events(lanes, row, now, high, ends)
 
     def _time_left(self, lanes: TiedLanes, joined: Array) -> Array:
@@ -295,50 +299,6 @@ class March:
         following = seg.length[np.minimum(k + 1, self.shaken)]
         rest = seg.length[k] - lanes.phase
         return (rest + np.where(joined, following, 0.0)) / lanes.omega
-
-    def _cut(
-        self, step: Step, now: Branch, low: Array, high: Array, touch: Array
-    ) -> CutStep:
-        """Cut steps where an event ends them: at an end (low, high) of the branch, or
-        at a peak where a restraint yields; touch: the largest |y| of a touch.
-        """
-        arc, turns = step.arc, np.flatnonzero(step.turn > 0.0)
-        reach, y, v = step.h.copy(), step.end.y.copy(), step.end.v.copy()
-
-        # Up to the turn, if there is one, y is monotone.
-        reach[turns], v[turns] = step.turn[turns], 0.0
-        y[turns] = arc.take(turns).at(step.turn[turns]).y
-        touches = turns[
-            (step.outward[turns] < 0.0)
-            & (low[turns] <= 0.0)
-            & (np.abs(y[turns]) < touch[turns])
-        ]
-        y[touches] = 0.0
-        top = y.copy()
-        up, down = (step.outward > 0.0) & (y >= high), (step.outward < 0.0) & (y <= low)
-        down[touches] = False
-
-        # A peak at which nothing yields ends no branch: such a step goes on to its end.
-        peaked = np.zeros(y.size, dtype=bool)
-        peaked[turns] = (step.outward[turns] > 0.0) & ~up[turns]
-        through = peaked & ~now.yields & (self.recorder is None)
-        reach[through] = step.h[through]
-        y[through] = step.end.y[through]
-        v[through] = step.end.v[through]
-        down |= through & (y <= low)
-
-        # An end of the branch is passed once, before or after the turn.
-        at = np.flatnonzero(up | down)
-        if at.size:
-            y[at] = level = np.where(up[at], high[at], low[at])
-            sense = np.where(up[at], -1.0, 1.0)
-            here = arc.take(at)
-            here.terms *= sense
-            here.terms[0] -= sense * level
-            turned = np.where(through[at], step.turn[at], 0.0)
-            reach[at], v[at] = falls(here, turned, reach[at])
-            v[at] *= sense
-        return CutStep(reach, y, v, np.where(through, top, y), up, down, peaked)
 
     def _watch_contact(
         self, lanes: TiedLanes, row: Array, now: Branch, step: Step, reach: Array

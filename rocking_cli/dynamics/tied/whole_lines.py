@@ -76,7 +76,7 @@ class Limits(NamedTuple):
     kappa: Any  # m R^2/I times the unit [rad]; 0 for lanes whose contact is not watched
 
 
-class Course(NamedTuple):
+class LineCourse(NamedTuple):
     """What does not change for lanes that go over lines, (lanes,) each, or floats."""
 
     held: HeldBody  # the equation
@@ -196,7 +196,7 @@ class WholeLines:
         )
         self.lists = [x.tolist() for x in self.lines]
         # course of one body, without its limits, by side and state of the devices
-        self._courses: dict[tuple[float, ...], tuple[Course, _Factors]] = {}
+        self._courses: dict[tuple[float, ...], tuple[LineCourse, _Factors]] = {}
 
     def follow(self, lanes: TiedLanes, branch: OnBranch, top: Array) -> Array:
         """Move lanes over lines that are clear; True for lanes that may go on so.
@@ -277,11 +277,11 @@ class WholeLines:
         left = self.lines[2][k] - u
         return (k < self.shaken) & (left <= _LONGEST * lanes.omega)
 
-    def _course(self, lanes: TiedLanes, branch: OnBranch) -> Course:
+    def _course(self, lanes: TiedLanes, branch: OnBranch) -> LineCourse:
         """The course of lanes on a branch, with `limits` still to be set."""
         equation, devices = self.equation.on(lanes.side), self.devices
         constant, stiffness = devices.linear_terms(branch.row, branch.now)
-        return Course(
+        return LineCourse(
             HeldBody.of(equation, devices, branch.row, branch.now),
             None,
             lanes.omega,
@@ -293,14 +293,14 @@ class WholeLines:
 
     def _course_of_one(
         self, lanes: TiedLanes, branch: OnBranch
-    ) -> tuple[Course, _Factors]:
+    ) -> tuple[LineCourse, _Factors]:
         """(course of a single lane on floats, factors of its series)."""
         now, side = branch.now, lanes.side.item()
         key = (side, *now.fixed[:, 0].tolist(), *now.rate[:, 0].tolist())
         if key not in self._courses:
             course = self._course(lanes, branch)
             held = course.held.of_first(self.equation.edge(side))
-            one = Course(held, *changed(course[1:], lambda x: x.item()))
+            one = LineCourse(held, *changed(course[1:], lambda x: x.item()))
             factors = _Factors(self.equation.tolerance, one.rate)
             self._courses[key] = one, factors
         return self._courses[key]
@@ -348,7 +348,7 @@ class _Factors:
         return [square * c for c in _RECIPROCALS[: 2 + bisect_left(self.sizes, size)]]
 
 
-def _arc(course: Course, terms: list[float], h: float) -> TaylorSeries:
+def _arc(course: LineCourse, terms: list[float], h: float) -> TaylorSeries:
     """Terms over a line of duration h [tau] as the series of one lane."""
     unit, rate = np.array([h]), np.array([course.rate])
     return TaylorSeries(np.array(terms)[:, None], unit, unit, rate, course.held.damping)
