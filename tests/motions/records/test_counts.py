@@ -285,6 +285,10 @@ def test_times_are_never_read_as_accelerations(tmp_path):
     for held in (303, 240, 201):
         said = refusal(tmp_path / "a", written.text(of_length(held), 304 + held % 2))
         assert "the file ends after" in said
+    for columns in (3, 6):  # also with velocities and displacements behind them
+        table = [[DT * i, *(columns - 1) * [x]] for i, x in enumerate(of_length(240))]
+        text = rows(np.ravel(table), columns, "{:10.3f}")
+        refusal(tmp_path / "a", AT2(240 * columns * 2 // 3) + text)
     (tmp_path / "a").write_text(AT2(403) + rows(of_length(403), 2, "{:10.3f}"))
     (record,) = read_records(tmp_path / "a")
     np.testing.assert_array_equal(
