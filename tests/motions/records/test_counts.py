@@ -10,10 +10,11 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
+from support.packages import installed
 from support.record_layouts import as_printed, refusal, rows, wave
 
 from rocking_cli.errors import DocumentError
-from rocking_cli.motions.records import FORMATS, read_records
+from rocking_cli.motions.records import FORMATS, GROUP, read_records
 
 DT = 0.01  # s, of every file here
 
@@ -265,6 +266,24 @@ def test_a_second_record_in_a_file_of_one_is_told(tmp_path, name):
     told = f"{first!r} in line {line} and what follows, which are left out"
     for record in read_records(tmp_path / "a"):
         assert told in "; ".join(record.remarks)
+
+
+OURS = """
+from rocking_cli.motions.records.record import Series
+from rocking_cli.motions.records.text import Layout, begins
+NAME, recognise = "OURS", begins("OURS")
+def read(text):
+    text.lines(1)
+    return [Series(None, 0.01, text.numbers(402, Layout(8)), "gal")]
+"""
+
+
+def test_a_reader_that_forgets_what_follows_loses_nothing(tmp_path, monkeypatch):
+    installed(monkeypatch, tmp_path, GROUP, "ours", OURS)
+    (tmp_path / "a").write_text("OURS\n" + rows(of_length(403), 8, "{:9.0f}"))
+    (record,) = read_records(tmp_path / "a")
+    assert record.npts == 402
+    assert "'0' in line 52 and what follows, which are left out" in record.remarks
 
 
 def test_a_line_of_a_table_has_a_number_for_each_column(tmp_path):
