@@ -328,7 +328,9 @@ def dimension_of_measure(im: str) -> str | None:
     """
     from ..motions.intensity_measures import measure_named
 
-    measure = measure_named(im, "im")
+    # also SA(T1) of a table made elsewhere, whose period is no number
+    spectral = im.partition("(")[0].strip().casefold() in ("sa", "avgsa")
+    measure = measure_named("AvgSA" if spectral else im, "im")
     if measure is None or not measure.unit:
         return None
     return "intensity" if im.lower() in OF_INTENSITY else measure.dimension

@@ -9,7 +9,14 @@ from support.refusals import refuses
 
 from rocking_cli import UsageError
 from rocking_cli.reports.tables import lines
-from rocking_cli.reports.units import COLUMNS, Units, dimension_of, parse_units, si_of
+from rocking_cli.reports.units import (
+    COLUMNS,
+    Units,
+    dimension_of,
+    dimension_of_measure,
+    parse_units,
+    si_of,
+)
 
 RECORD = {
     "structure": "x",
@@ -108,6 +115,16 @@ def test_the_dimension_of_a_side_an_item_and_a_model_is_that_of_the_column():
         None,
     ]  # two are ratios
     assert si_of("base_radius [cm]") == ("base_radius [cm]", 1.0)
+
+
+def test_a_spectral_acceleration_of_any_period_has_its_unit():
+    names = ("SA(0.5)", "AvgSA(0.5,1)", "SA(T1)", "sa", "Arias", "nPGA", "IM of a site")
+    assert [dimension_of_measure(x) for x in names] == [
+        *(4 * ["acceleration"]),
+        "intensity",
+        None,
+        None,
+    ]
 
 
 REFUSED = [

@@ -210,8 +210,7 @@ def records_of(
         if found is not plain and named:
             _require_agreement(source, read, given, found.NAME)
         also = "an uncorrected accelerogram" if uncorrected else ""
-        told = entry is not None or any(s.remark for s in read)
-        behind = "" if told else text.words_behind()
+        behind = "" if any(s.remark for s in read) else text.words_behind()
         series = [
             s._replace(remark="; ".join(filter(None, (also, s.remark, behind))))
             for s in read

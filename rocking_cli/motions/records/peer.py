@@ -88,7 +88,10 @@ def _samples(text: RecordText, count: int, dt: float) -> tuple[np.ndarray, str]:
     """(the samples, a remark if more follow); of lines of time and value the values."""
     at, line = text.at, text.line
     first = text.raw[at : at + 1000].lstrip().split(b"\n", 1)[0].split()
-    if len(first) == 2 and _are_pairs(text, count):
+    width = max(1, len(first))
+    timed = width > 1 and _first_numbers_rise(text, width)
+    doubled = len(text.raw[at:].split(None, 2 * count + 1)) >= 2 * count
+    if width == 2 and (timed or doubled):
         values = text.rows(count, 2)
         step = even_step(values[:, 0], text, line)
         if abs(step - dt) > 1e-3 * dt:
@@ -96,25 +99,29 @@ def _samples(text: RecordText, count: int, dt: float) -> tuple[np.ndarray, str]:
                 f"times every {step:g} s, where the header states {dt:g} s", line
             )
         return values[:, 1].copy(), text.surplus(count)
-    samples = text.numbers(count, Layout(max(1, len(first))))
+    samples = text.numbers(count, Layout(width))
     remark = text.surplus(count)
     more = len(text.raw[text.at :].split(None, count + 1)) if remark else 0
     if remark and more >= count:
         raise text.fault(f"found more than twice the {count} values declared")
+    if remark and timed:
+        raise text.fault(
+            "the first numbers of the lines rise, as times do; expected values alone,"
+            " or a time and a value on each line",
+            line,
+        )
     return samples, remark
 
 
-def _are_pairs(text: RecordText, count: int) -> bool:
-    """True if lines of two numbers hold a time and a value: there are twice as many
-    numbers as declared, or the first ones rise as no accelerations do.
+def _first_numbers_rise(text: RecordText, width: int) -> bool:
+    """True if the first numbers of lines of `width` numbers never fall and mostly rise,
+    as times do and accelerations do not.
     """
-    rest = text.raw[text.at :].split(None, 2 * count + 1)
-    if len(rest) >= 2 * count:
-        return True
-    first = map(finite_number, rest[: 2 * _MANY : 2])
-    times = [x for x in takewhile(lambda x: x is not None, first) if x is not None]
-    steps = np.diff(times)
-    return bool(steps.size > 1 and (steps >= 0.0).all() and steps.any())
+    words = text.raw[text.at :].split(None, _MANY * width)[: _MANY * width : width]
+    numbers = takewhile(lambda x: x is not None, map(finite_number, words))
+    steps = np.diff(np.array(list(numbers), dtype=float))
+    rising = steps.size > 1 and 2 * int(np.count_nonzero(steps)) > steps.size
+    return rising and bool((steps >= 0.0).all())
 
 
 def _upwards(claims: Claims, above: list[tuple[str, int]]) -> str | None:

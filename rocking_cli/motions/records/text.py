@@ -102,6 +102,7 @@ class RecordText:
         # the beginning as text
         self.head = self.decoded(self.raw[:HEAD])
         self.at, self.line = 0, 1  # place of the next byte; number of the next line
+        self.counted = False  # True once `numbers` has read a number of them
 
     def decoded(self, raw: bytes) -> str:
         """Return bytes of the file as text."""
@@ -295,9 +296,9 @@ class RecordText:
         return bool(rest) and NUMBER.fullmatch(rest[0]) is not None
 
     def words_behind(self) -> str:
-        """Return a remark if text follows that is not read."""
+        """Return a remark if text that is not read follows what `numbers` has read."""
         left = self.raw[self.at :].lstrip()
-        if not left:
+        if not left or not self.counted:
             return ""
         line = self.line + self.raw[self.at : len(self.raw) - len(left)].count(b"\n")
         words = self.decoded(left.split(b"\n", 1)[0]).strip()[:60]
@@ -350,7 +351,7 @@ class RecordText:
                 f"{count} values are declared, more than a file of {len(self.raw)}"
                 " bytes holds"
             )
-        at, first = self.at, self.line
+        at, first, self.counted = self.at, self.line, True
         if layout.width is None:
             found = parsed(self._take(-(-count // layout.columns)))
             if found is not None and found.size == count:

@@ -10,10 +10,11 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
+from support.packages import installed
 from support.record_layouts import as_printed, refusal, rows, wave
 
 from rocking_cli.errors import DocumentError
-from rocking_cli.motions.records import FORMATS, read_records
+from rocking_cli.motions.records import FORMATS, GROUP, read_records
 
 DT = 0.01  # s, of every file here
 
@@ -267,6 +268,24 @@ def test_a_second_record_in_a_file_of_one_is_told(tmp_path, name):
         assert told in "; ".join(record.remarks)
 
 
+OURS = """
+from rocking_cli.motions.records.record import Series
+from rocking_cli.motions.records.text import Layout, begins
+NAME, recognise = "OURS", begins("OURS")
+def read(text):
+    text.lines(1)
+    return [Series(None, 0.01, text.numbers(402, Layout(8)), "gal")]
+"""
+
+
+def test_a_reader_that_forgets_what_follows_loses_nothing(tmp_path, monkeypatch):
+    installed(monkeypatch, tmp_path, GROUP, "ours", OURS)
+    (tmp_path / "a").write_text("OURS\n" + rows(of_length(403), 8, "{:9.0f}"))
+    (record,) = read_records(tmp_path / "a")
+    assert record.npts == 402
+    assert "'0' in line 52 and what follows, which are left out" in record.remarks
+
+
 def test_a_line_of_a_table_has_a_number_for_each_column(tmp_path):
     """A word less on one line and a word more on another do not exchange columns."""
     for name in ("AFAD", "ASA", "PEER, times"):
@@ -285,6 +304,10 @@ def test_times_are_never_read_as_accelerations(tmp_path):
     for held in (303, 240, 201):
         said = refusal(tmp_path / "a", written.text(of_length(held), 304 + held % 2))
         assert "the file ends after" in said
+    for columns in (3, 6):  # also with velocities and displacements behind them
+        table = [[DT * i, *(columns - 1) * [x]] for i, x in enumerate(of_length(240))]
+        text = rows(np.ravel(table), columns, "{:10.3f}")
+        refusal(tmp_path / "a", AT2(240 * columns * 2 // 3) + text)
     (tmp_path / "a").write_text(AT2(403) + rows(of_length(403), 2, "{:10.3f}"))
     (record,) = read_records(tmp_path / "a")
     np.testing.assert_array_equal(
