@@ -17,7 +17,6 @@ from .contacts.contact import (
     OneSided,
     Symmetric,
     Unequal,
-    UnequalCells,
     reciprocal_ratios,
 )
 from .equations.equation import Equation
@@ -305,6 +304,8 @@ class Method:
         if not structures[0].sides:
             alpha = np.repeat([s.alpha for s in structures], counts)
             return one._replace(equation=of_cells(alpha, self.tolerance))
+        from .contacts.unequal_cells import UnequalCells
+
         edges = [[side.alpha for side in reversed(s.sides)] for s in structures]
         alpha = np.ascontiguousarray(np.repeat(edges, counts, axis=0).T)
         contacts = [system.contact for system, _ in own]

@@ -6,6 +6,7 @@ import itertools
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, replace
+from decimal import ROUND_CEILING, ROUND_FLOOR, Context, Decimal
 from itertools import islice, pairwise
 from pathlib import Path
 from typing import Any
@@ -527,11 +528,12 @@ class _BoundarySearch:
         digits that stands, since close by there may be another boundary. Where the
         boundary itself does not stand, as a friction of lambda, a unit away from it.
         """
-        outwards, out = (math.ceil, 1) if above else (math.floor, -1)
+        outwards, out = (ROUND_CEILING, 1) if above else (ROUND_FLOOR, -1)
         for away, digits in itertools.product((0, out), range(_DIGITS, 16)):
-            unit = 10.0 ** (math.floor(math.log10(abs(exact) or 1.0)) - digits + 1)
-            rounded = float(f"{(outwards(exact / unit) + away) * unit:.{digits}g}")
-            value = min(high, max(low, rounded))
+            # Decimals: a quotient of floats may be a unit off.
+            rounded = Context(prec=digits, rounding=outwards).create_decimal(exact)
+            unit = Decimal(1).scaleb(rounded.adjusted() - digits + 1)
+            value = min(high, max(low, float(rounded + away * unit)))
             if self.excess(value) >= 0.0:
                 return value
         return high if above else low

@@ -35,6 +35,7 @@ def parts_of(schema, root):
     """A schema and those that it refers to for the same value."""
     yield schema
     inner = [*schema.get("allOf", ()), *schema.get("anyOf", ())]
+    inner += [schema[key] for key in ("then", "else") if key in schema]
     if "$ref" in schema:
         inner.append(root["definitions"][schema["$ref"].rpartition("/")[2]])
     for one in inner:

@@ -14,7 +14,6 @@ from ..contacts.lasting_bounces import (
     stays_below_peak,
     too_many_impacts,
 )
-from ..impulse_bound import ImpulseBound
 from ..lanes import Array, Lanes
 from ..outcome import Outcome
 
@@ -162,6 +161,8 @@ def _cannot_overturn(batch: Batch) -> list[Closing]:
     segments = batch.segments
     if segments.straight or segments.sign_changes > FEW_SIGN_CHANGES:
         return []
+    from ..impulse_bound import ImpulseBound
+
     bound = ImpulseBound.of(batch.equation, batch.cells, segments)
 
     def closes(batch: Batch, lanes: Lanes) -> Closed:
