@@ -199,13 +199,15 @@ def test_a_motion_may_be_the_name_of_a_pulse_and_a_record_its_path():
     assert of_name == of_object
     (recording,) = rocking_cli.load_records(record)
     assert rocking_cli.intensity(record) == recording.intensity
-    assert rocking_cli.envelope(block, record, a_max=2.0) == rocking_cli.envelope(
-        block, recording, a_max=2.0
+    named, given = (
+        rocking_cli.check(block, motion, a_max=None).theta_ratio
+        for motion in (record, recording)
     )
-    of_texts = rocking_cli.boundaries(block, "width=0.4:0.8:3", "sine", demand)
+    assert named == given
+    of_texts = rocking_cli.boundaries(block, "width=0.5:0.6:2", "sine", demand)
     assert of_texts == rocking_cli.boundaries(
         rocking_cli.read_documents(block)[0],
-        rocking_cli.parse_variation("width=0.4:0.8:3"),
+        rocking_cli.parse_variation("width=0.5:0.6:2"),
         [(sine(), parse_grid(demand))],
     )
 

@@ -336,6 +336,7 @@ def dimension_of_measure(im: str) -> str | None:
     return "intensity" if im.lower() in OF_INTENSITY else measure.dimension
 
 
+@cache
 def si_of(heading: str) -> tuple[str, float]:
     """Return (column, factor of its unit to SI) of a heading; the heading itself and 1
     without a unit. f_g [Hz] becomes omega_g.
