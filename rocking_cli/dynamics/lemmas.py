@@ -277,6 +277,9 @@ path turns back. In the second half y'' < 0 below alpha, so y_0 is nowhere below
 least of the three values. Where another path first came to the ground d Z would be at
 least y_0, but it never falls. To overturn is monotone in y and in y', and so is the
 energy of a body that moves back, on either side of alpha.
+`stretches` computes y_0 and Z by a Runge-Kutta method, whose error is not bounded: it
+adds 15 times the largest one that was found to both distances, and the march still
+computes the least amplitude of each stretch.
 Test `tests/envelopes/test_stretches.py::test_what_is_proved_is_what_the_march_finds`,
 `tests/envelopes/test_stretches.py::test_no_path_is_farther_away_than_the_bound`.
 """

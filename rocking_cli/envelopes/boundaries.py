@@ -207,9 +207,13 @@ class Search:
         """
         if row.size < _MANY:
             return self._compute(row, amplitude, omegas)
-        from .stretches import Stretches, outcomes_of_stretches, proved_outcomes
+        from .stretches import (
+            AmplitudeStretches,
+            outcomes_of_stretches,
+            proved_outcomes,
+        )
 
-        if not Stretches.supports(self.system, self.motion):
+        if not AmplitudeStretches.supports(self.system, self.motion):
             return self._compute(row, amplitude, omegas)
         label, first = proved_outcomes(
             lambda row, ends: outcomes_of_stretches(

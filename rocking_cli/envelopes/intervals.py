@@ -182,9 +182,10 @@ def _effort(method: Method, searches: Sequence[Search]) -> int:
     """The time of an amplitude over that of one of an exact equation."""
     if method.exact:
         return 1
-    from .stretches import Stretches
+    from .stretches import AmplitudeStretches
 
-    stretches = all(Stretches.supports(one.system, one.motion) for one in searches)
+    supports = AmplitudeStretches.supports
+    stretches = all(supports(one.system, one.motion) for one in searches)
     return _IN_STRETCHES if stretches else _IN_STEPS
 
 

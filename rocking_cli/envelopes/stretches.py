@@ -34,7 +34,7 @@ _WIDEST, _NARROWEST = 512, 32  # points of a stretch
 _NEAR, _BOUNDED = 1.7, 1.9
 
 
-class _Path(NamedTuple):
+class _LeastPath(NamedTuple):
     """A body and the bound of its neighbours. Every array is (stretches,)."""
 
     y: Array  # displacement of the least amplitude, in the unit of its side
@@ -52,7 +52,7 @@ class _Distance(NamedTuple):
     v: Array  # bound of the distance of y'
 
 
-class _Course(NamedTuple):
+class _BoundsSoFar(NamedTuple):
     """What is known of all bodies of a stretch so far. Every array is (stretches,)."""
 
     highest: Array  # bound of y
@@ -62,7 +62,7 @@ class _Course(NamedTuple):
     kept: Array  # True if none has lost the ground
 
     @classmethod
-    def of(cls, size: int) -> "_Course":
+    def of(cls, size: int) -> "_BoundsSoFar":
         """The course of bodies at rest."""
         return cls(
             np.zeros(size),
@@ -73,7 +73,7 @@ class _Course(NamedTuple):
         )
 
 
-class Stretches:
+class AmplitudeStretches:
     """Stretches of amplitudes, each at one Omega, of one system under a motion."""
 
     def __init__(
@@ -122,7 +122,7 @@ class Stretches:
         """
         found = np.full(self.omega.size, UNKNOWN, dtype=np.uint8)
         start = np.arcsin(1.0 / np.maximum(self.least, 1.0))
-        path, course = self._at_uplift(start), _Course.of(start.size)
+        path, course = self._at_uplift(start), _BoundsSoFar.of(start.size)
         growth = np.sqrt(self._rate(1.0, 1.0))
         steps = _steps(float(self.dimensionless[0].min()))
         valid = (self.least > 1.0 + 1e-9) & (
@@ -152,9 +152,9 @@ class Stretches:
         at = np.flatnonzero((found == UNKNOWN) & valid & clear)
         found[at] = self._after_shaking(
             at,
-            _Path(*(x[at] for x in path)),
+            _LeastPath(*(x[at] for x in path)),
             _Distance(*(x[at] for x in off)),
-            _Course(*(x[at] for x in course)),
+            _BoundsSoFar(*(x[at] for x in course)),
         )
         return found
 
@@ -169,12 +169,12 @@ class Stretches:
 
     def _followed(
         self,
-        course: "_Course",
-        path: _Path,
+        course: "_BoundsSoFar",
+        path: _LeastPath,
         off: "_Distance",
         phase: Array,
         step: Array,
-    ) -> "_Course":
+    ) -> "_BoundsSoFar":
         """What is known of all bodies of each stretch after a step from this phase."""
         force = 1.0 / self.equation.sin + self.largest / self.equation.cos  # >= |y''|
         h = step / self.omega
@@ -189,7 +189,9 @@ class Stretches:
             push=np.fmax(course.push, pushes),
         )
 
-    def _certainly_fall(self, path: _Path, off: "_Distance", rises: Array) -> Array:
+    def _certainly_fall(
+        self, path: _LeastPath, off: "_Distance", rises: Array
+    ) -> Array:
         """True where Lemma 6 holds for all bodies of a stretch; rises: True where y and
         y' may grow with A so far.
         """
@@ -200,14 +202,14 @@ class Stretches:
             self.largest,
         )
 
-    def _at_uplift(self, start: Array) -> _Path:
+    def _at_uplift(self, start: Array) -> _LeastPath:
         """The path at the uplift of the least amplitude; the largest one has lifted the
         body before.
         """
         before = np.arcsin(1.0 / np.maximum(self.largest, 1.0))
         root = self._rate(1.0, self.equation.sin)
         past = np.sqrt(root) * (start - before) / self.omega
-        return _Path(
+        return _LeastPath(
             np.zeros_like(start),
             np.zeros_like(start),
             (np.cosh(past) - 1.0) / (root * self.equation.cos),
@@ -220,22 +222,24 @@ class Stretches:
         """
         return 1.0 + self.largest * np.abs(push) * self.equation.tan * sin
 
-    def _slopes(self, path: _Path, phase: Array, sin: Array) -> _Path:
+    def _slopes(self, path: _LeastPath, phase: Array, sin: Array) -> _LeastPath:
         """The derivatives of a path by tau."""
         equation, push = self.equation, np.sin(phase)
         z = equation.alpha - path.y * equation.sin
         force = self.least * push * np.cos(z) / equation.cos - np.sin(z) / equation.sin
         bound = self._rate(push, sin) * path.z + np.abs(push) / equation.cos
-        return _Path(path.v, force, path.w, bound)
+        return _LeastPath(path.v, force, path.w, bound)
 
-    def _stepped(self, path: _Path, phase: Array, step: Array, near: Array) -> _Path:
+    def _stepped(
+        self, path: _LeastPath, phase: Array, step: Array, near: Array
+    ) -> _LeastPath:
         """The path after a step of phase, by the Runge-Kutta method of order 4; near:
         True for |theta - alpha| <= alpha.
         """
         h, sin = step / self.omega, np.where(near, self.equation.sin, 1.0)
 
-        def moved(slopes: _Path, share: float) -> _Path:
-            return _Path(
+        def moved(slopes: _LeastPath, share: float) -> _LeastPath:
+            return _LeastPath(
                 *(x + share * h * dx for x, dx in zip(path, slopes, strict=True))
             )
 
@@ -243,7 +247,7 @@ class Stretches:
         two = self._slopes(moved(one, 0.5), phase + 0.5 * step, sin)
         three = self._slopes(moved(two, 0.5), phase + 0.5 * step, sin)
         four = self._slopes(moved(three, 1.0), phase + step, sin)
-        mean = _Path(
+        mean = _LeastPath(
             *(
                 (a + 2.0 * (b + c) + d) / 6.0
                 for a, b, c, d in zip(one, two, three, four, strict=True)
@@ -251,7 +255,7 @@ class Stretches:
         )
         return moved(mean, 1.0)
 
-    def _distances(self, path: _Path) -> _Distance:
+    def _distances(self, path: _LeastPath) -> _Distance:
         """How far all bodies of each stretch may be from its path."""
         return _Distance(
             *(
@@ -261,7 +265,7 @@ class Stretches:
         )
 
     def _after_shaking(
-        self, at: Array, end: _Path, off: _Distance, course: _Course
+        self, at: Array, end: _LeastPath, off: _Distance, course: _BoundsSoFar
     ) -> Array:
         """The outcomes of the stretches `at`, which had no impact, from the end of the
         shaking on.
@@ -314,7 +318,7 @@ class Stretches:
             self.both, lanes, np.arange(at.size), y, v
         )
 
-    def _pressed(self, course: _Course, asked: Array) -> _Course:
+    def _pressed(self, course: _BoundsSoFar, asked: Array) -> _BoundsSoFar:
         """The course after a few steps, with what they tell about contact; asked: True
         for stretches of which it is asked.
         """
@@ -357,13 +361,15 @@ def outcomes_of_stretches(
     system: System, motion: Motion, eta: float, omega: Array, ends: Array
 ) -> Array:
     """The outcome of every amplitude of each stretch, `UNKNOWN` without a proof,
-    (stretches,). omega, ends: as of `Stretches`.
+    (stretches,). omega, ends: as of `AmplitudeStretches`.
     """
     found = np.full(omega.size, UNKNOWN, dtype=np.uint8)
     kinds = np.searchsorted(list(_STEPS), omega, side="right")  # 0: no proof is tried
     for kind in np.unique(kinds[kinds > 0]).tolist():
         at = np.flatnonzero(kinds == kind)
-        found[at] = Stretches(system, motion, eta, omega[at], ends[:, at]).outcomes()
+        found[at] = AmplitudeStretches(
+            system, motion, eta, omega[at], ends[:, at]
+        ).outcomes()
     return found
 
 

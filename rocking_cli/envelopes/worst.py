@@ -165,7 +165,7 @@ def _of_a_group(
 ) -> list[WorstFrequency]:
     """`at_worst_frequency` of several structures, whose cells are marched together."""
     ranges = [_Range.of(s, motion, low, high, a_max) for s in structures]
-    found = _Group(ranges, motion, tell)
+    found = _FrequencySearch(ranges, motion, tell)
     omegas = found.outcomes_alone() if a_max is None else found.least()
     return [
         one.named(omega, low, high) for one, omega in zip(ranges, omegas, strict=True)
@@ -349,7 +349,7 @@ class _Rows(NamedTuple):
         return self.omega[rows] * np.where(low, 1.0 + _INSIDE, 1.0 - _INSIDE)
 
 
-class _Group:
+class _FrequencySearch:
     """The search for the worst Omega of several structures under one motion."""
 
     def __init__(self, ranges: Sequence[_Range], motion: Motion, tell: Tell) -> None:

@@ -34,7 +34,9 @@ def withstand(
     motions = {id(motion): motion for _, motion, _ in demands}
     for motion in motions.values():
         own = [i for i, demand in enumerate(demands) if demand[1] is motion]
-        group = _Group(motion, [capacity_search(*demands[i], 0.0) for i in own], margin)
+        group = _MarginSearch(
+            motion, [capacity_search(*demands[i], 0.0) for i in own], margin
+        )
         stands = group.stand_at_once()
         if scanned:
             group.scan(stands)
@@ -43,7 +45,7 @@ def withstand(
     return found
 
 
-class _Group:
+class _MarginSearch:
     """Structures under one motion, of each the search for its capacity."""
 
     def __init__(

@@ -13,7 +13,7 @@ from rocking_cli.envelopes import boundaries
 from rocking_cli.envelopes.boundaries import Search
 from rocking_cli.envelopes.stretches import (
     UNKNOWN,
-    Stretches,
+    AmplitudeStretches,
     outcomes_of_stretches,
     proved_outcomes,
 )
@@ -77,7 +77,7 @@ def integrated(alpha, amplitude, omega, until):
 def test_no_path_is_farther_away_than_the_bound(omega, until):
     least, gap = np.array([1.5, 3.0, 6.0]), 0.01
     ends = np.array([least, least + gap])
-    stretches = Stretches(
+    stretches = AmplitudeStretches(
         NONLINEAR.system_of(COLUMN), sine(), COLUMN.eta, np.full(3, omega), ends
     )
     start = np.arcsin(1.0 / stretches.least)

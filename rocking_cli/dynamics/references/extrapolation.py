@@ -53,7 +53,7 @@ class Path(NamedTuple):
     steps: list[StatePoint]  # the ends of all steps
 
 
-class Flow(NamedTuple):
+class EdgeMotion(NamedTuple):
     """An equation of motion on one edge, under one piece of a motion."""
 
     rate: Rate  # its right side
@@ -137,7 +137,7 @@ def _midpoint_rule(
     )
 
 
-def path(flow: Flow, start: StatePoint, stop: float, limit: float) -> Path:
+def path(flow: EdgeMotion, start: StatePoint, stop: float, limit: float) -> Path:
     """The path from an instant on or above the ground until `stop`, an impact, or an
     angle beyond `limit`. It finds at most one peak in a step, or one dip, which may
     reach the ground although both ends of the step lie above it. The stretch is one
@@ -197,7 +197,7 @@ def path(flow: Flow, start: StatePoint, stop: float, limit: float) -> Path:
 
 
 def passes(
-    flow: Flow,
+    flow: EdgeMotion,
     start: StatePoint,
     end: StatePoint,
     which: int,

@@ -19,7 +19,7 @@ from typing import NamedTuple
 
 from ...motions.motion import Motion, Piece, extremes, plus
 from ..outcome import FALLEN, Outcome
-from .extrapolation import Flow, Path, Rate, StatePoint, path
+from .extrapolation import EdgeMotion, Path, Rate, StatePoint, path
 from .linear_form import LinearForm
 
 # limit of the number of stretches of a cell: a constant, and an addition for each
@@ -244,7 +244,7 @@ class ReferenceBody:
         """The forces downwards at an instant, over m g."""
         return self.weight(at.time)
 
-    def cut(self, flow: Flow, found: Path) -> Path:
+    def cut(self, flow: EdgeMotion, found: Path) -> Path:
         """Hook: the part of a path on which the equation holds."""
         return found
 
@@ -293,7 +293,7 @@ class ReferenceBody:
         else:
             self.time, self.theta, self.w = there
 
-    def _flow(self, piece: Piece) -> Flow:
+    def _flow(self, piece: Piece) -> EdgeMotion:
         """The equation on this side under a piece of the motion."""
         of, push = self.here.of, self.side * self.drive
 
@@ -306,7 +306,7 @@ class ReferenceBody:
 
         linear = self.here.linear if self.up is None else None
         exact = linear and linear.under(piece, self.omega, push)
-        return Flow(rate, self.here.alpha, exact)
+        return EdgeMotion(rate, self.here.alpha, exact)
 
     def _land(
         self, piece: Piece, there: StatePoint, rate: Rate, earliest: float
@@ -330,7 +330,7 @@ class ReferenceBody:
         if self.w <= 0.0 or (self.w < _AT_REST and not lifted and eta < 1.0):
             self.side, self.w = 0, 0.0
 
-    def check_contact(self, flow: Flow, steps: list[StatePoint]) -> None:
+    def check_contact(self, flow: EdgeMotion, steps: list[StatePoint]) -> None:
         """Record in `contact_lost` if Fz falls to zero along these steps of a body
         whose forces are known; such a body has theta' = w.
         """

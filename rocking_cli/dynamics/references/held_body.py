@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 from ...motions.motion import Motion
 from ...structures.restraints import Strand
-from .extrapolation import Flow, Path, StatePoint, passes
+from .extrapolation import EdgeMotion, Path, StatePoint, passes
 from .general_solver import Problem, Rates, ReferenceBody
 
 if TYPE_CHECKING:
@@ -149,7 +149,7 @@ class Held:
         )
         return _FAR * alpha if self.linear else min(turned, default=0.5 * math.pi)
 
-    def cut(self, side: int, flow: Flow, found: Path) -> Path:
+    def cut(self, side: int, flow: EdgeMotion, found: Path) -> Path:
         """The part of a path on which no law changes: it ends where one does, or at the
         first peak if a device yields.
         """
@@ -187,7 +187,7 @@ class Held:
 
 
 def _end_of_law(
-    devices: list[_Device], flow: Flow, one: StatePoint, other: StatePoint
+    devices: list[_Device], flow: EdgeMotion, one: StatePoint, other: StatePoint
 ) -> StatePoint:
     """The first instant between two states, with no peak between them, at which a law
     of a device has ended.
@@ -243,7 +243,7 @@ class _TiedBody(ReferenceBody):
     def pressure(self, at: StatePoint) -> float:
         return 1.0 + self.held.downwards(self.side, at.theta)
 
-    def cut(self, flow: Flow, found: Path) -> Path:
+    def cut(self, flow: EdgeMotion, found: Path) -> Path:
         return self.held.cut(self.side, flow, found)
 
     def follow(self) -> None:

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import Any
 
-from .extrapolation import Flow, Path, StatePoint
+from .extrapolation import EdgeMotion, Path, StatePoint
 
 
 @dataclass(frozen=True)
@@ -16,7 +16,7 @@ class Script:
     tolerance: float  # tolerance that `solve_ivp` is given
 
     def __call__(
-        self, flow: Flow, start: StatePoint, stop: float, limit: float
+        self, flow: EdgeMotion, start: StatePoint, stop: float, limit: float
     ) -> Path:
         """Return the same as `path`."""
         from scipy.integrate import solve_ivp

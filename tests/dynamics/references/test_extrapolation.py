@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from rocking_cli.dynamics.references.extrapolation import Flow, StatePoint, path
+from rocking_cli.dynamics.references.extrapolation import EdgeMotion, StatePoint, path
 
 
 def free(time, y, v):
@@ -21,7 +21,7 @@ def free(time, y, v):
     ],
 )
 def test_a_step_that_is_too_long_is_none(rate):
-    assert Flow(rate).step(StatePoint(0.0, 1.0, 0.0), 1.0) is None
+    assert EdgeMotion(rate).step(StatePoint(0.0, 1.0, 0.0), 1.0) is None
 
 
 @pytest.mark.parametrize("v", [1e-9, 1e-4, 0.3, 0.9])
@@ -36,7 +36,7 @@ def test_peak_and_impact_of_a_free_arc(v, stretch):
     near = (
         1e-14 + 1e-10 * (stretch * rise / 2.0) ** 2
     )  # ten times what a step is trusted to: they grow
-    found = path(Flow(free), StatePoint(0.0, 0.0, v), stretch * rise, math.inf)
+    found = path(EdgeMotion(free), StatePoint(0.0, 0.0, v), stretch * rise, math.inf)
     assert found.struck
     (top,) = found.peaks
     height = v * v / (1.0 + math.sqrt(1.0 - v * v))
