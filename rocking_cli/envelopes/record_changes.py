@@ -15,6 +15,8 @@ import numpy as np
 from ..dynamics.method import Method
 from ..dynamics.outcome import Outcome
 from ..dynamics.response import (
+    Cells,
+    Response,
     cells_that_lose_contact,
     chains,
     response,
@@ -176,20 +178,23 @@ def _in_one_run(asked: Sequence[RecordSearch], of: Array, amplitude: Array) -> A
     )
     got, rate = response_under_records(system, motions, which, amplitude, omega, eta)
 
-    # Each body by its own forces on the ground.
-    outcome = got.outcome
+    rate = rate * alpha
     for i, one in enumerate(asked):
         at = np.flatnonzero(of == i)
-        lost = cells_that_lose_contact(
-            one.search.system,
-            one.search.motion,
-            (amplitude[at], omega[at], eta[at]),
-            outcome[at] == Outcome.ROCKED,
-            got.theta_ratio[at],
-            rate[at] * alpha[at],
-        )
-        outcome[at[lost]] = Outcome.LOST_CONTACT
-    return lifted(outcome)
+        cells = amplitude[at], omega[at], eta[at]
+        lost = _lost(one.search, cells, got, rate, at)
+        got.outcome[at[lost]] = Outcome.LOST_CONTACT
+    return lifted(got.outcome)
+
+
+def _lost(search: Search, cells: Cells, got: Response, rate: Array, at: Array) -> Array:
+    """Which of the cells `at` lose the contact with the ground, by the forces of their
+    own body; rate: largest speed of each cell of the run.
+    """
+    rocked = got.outcome[at] == Outcome.ROCKED
+    return cells_that_lose_contact(
+        search.system, search.motion, cells, rocked, got.theta_ratio[at], rate[at]
+    )
 
 
 def _outcomes(one: RecordSearch, amplitude: Array, how: str) -> Array:

@@ -509,6 +509,20 @@ def _mass_centre(
         )
     axes.plot([px, cx], [pz, cz], color=INK, lw=0.9, label="_R")
     axes.plot([px, px], [pz, cz], color=INK, lw=0.9, ls=":", label="_vertical")
+    return _arc_of_alpha(axes, (px, pz), (cx, cz), _size(sketch) / metre, ink)
+
+
+def _arc_of_alpha(
+    axes: Axes,
+    pivot: tuple[float, float],
+    centre: tuple[float, float],
+    size: float,
+    ink: Ink,
+) -> float:
+    """Draw alpha between the vertical at a pivot and the mass centre; return R, in the
+    unit of the axes. size: size of the structure there.
+    """
+    (px, pz), (cx, cz) = pivot, centre
     # alpha is signed: negative towards the left
     radius = math.hypot(cx - px, cz - pz)
     alpha = math.atan2(cx - px, cz - pz)
@@ -516,7 +530,6 @@ def _mass_centre(
     angles = [alpha * i / 24 for i in range(25)]
     arc = [(px + reach * math.sin(a), pz + reach * math.cos(a)) for a in angles]
     axes.plot(*zip(*arc, strict=True), color=INK, lw=0.9, label="_alpha")
-    size = _size(sketch) / metre
     outwards = 0.0 if alpha < 0.0 else math.pi
     ink = ink.with_lines([(cx, cz), (px, pz), (px, cz)], arc)
     place = ink.clearest((px, pz + reach), _BESIDE * size, outwards)

@@ -34,8 +34,6 @@ def traces(
     """Draw acceleration, velocity and displacement of records over time, a colour for
     each component. The ground begins at rest. alone: Axes for the acceleration only.
     """
-    from scipy.integrate import cumulative_trapezoid
-
     if alone is None:
         figure.set_size_inches(6.4, 5.0)
         axes = list(figure.subplots(3, 1, sharex=True))
@@ -43,11 +41,7 @@ def traces(
         axes = [alone]
     for i, record in enumerate(records):
         t = record.dt * np.arange(record.npts)
-        acceleration = np.asarray(record.acceleration)
-        velocity = cumulative_trapezoid(acceleration, dx=record.dt, initial=0.0)
-        displacement = cumulative_trapezoid(velocity, dx=record.dt, initial=0.0)
-        courses = (acceleration, velocity, displacement)
-        for one, key, course in zip(axes, _COURSES, courses, strict=False):
+        for one, key, course in zip(axes, _COURSES, _courses(record), strict=False):
             y = course / units.of(key)[1]
             style = {**line_style(i), "ls": "-", "lw": 0.8}
             one.plot(t, y, label=literal(record.label), **style)
@@ -62,6 +56,16 @@ def traces(
         axes[0].set_title(literal(words))
     legend(axes[0])
     return axes
+
+
+def _courses(record: "Record") -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return acceleration, velocity and displacement of a record, (npts,) each."""
+    from scipy.integrate import cumulative_trapezoid
+
+    acceleration = np.asarray(record.acceleration)
+    velocity = cumulative_trapezoid(acceleration, dx=record.dt, initial=0.0)
+    displacement = cumulative_trapezoid(velocity, dx=record.dt, initial=0.0)
+    return acceleration, velocity, displacement
 
 
 _COURSES = {
