@@ -20,7 +20,7 @@ from .progress import ProgressLine
 if TYPE_CHECKING:
     from ..dynamics.outcome import Outcome
     from ..envelopes.amplitudes import Limit
-    from ..envelopes.worst import WorstFrequency
+    from ..envelopes.frequency_search import WorstFrequency
     from ..motions import Motion
     from ..motions.grid import Grid
     from ..responses.check import Demand
