@@ -161,7 +161,7 @@ def check(
     else:
         _draw(judged, wanted, by_code, _in_g(asked))
 
-    opposite = opposite_outcomes(demands, wanted.limit, wanted.workers)
+    opposite = opposite_outcomes(demands)
     demand.note_demand(demands.shakes)
     demand.note_governing(demands.structures, demands.shakes[0][1].dimensionless)
     note(*of_draws.said, *_lines(judged, demands, wanted, by_code, opposite))

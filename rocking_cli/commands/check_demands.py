@@ -87,9 +87,13 @@ def demands_on(
 
     ends = [end.of(motions) for end in asked.ends()]
     shaken = ends[0] if ends else asked.of(motions)
-    if sign != "+" and (ends or asked.azimuth):
-        what = "a range of frequencies" if ends else "--azimuth"
-        raise click.UsageError(f"--sign {sign} does not go with {what}")
+    if sign != "+" and asked.azimuth:
+        raise click.UsageError(f"--sign {sign} does not go with --azimuth")
+    if sign == "-" and ends:
+        raise click.UsageError(
+            "--sign - does not go with a range of frequencies, in which the worse"
+            " direction counts"
+        )
     shaken = shaken.reversed if sign == "-" else shaken
     structures, varied = members()
     up_to = ends[1].shakes[0][1] if ends else None
@@ -99,7 +103,7 @@ def demands_on(
     found.rows = [
         (structure, *shake) for shake in shaken.shakes for structure in structures
     ]
-    if sign == "both":
+    if sign == "both" and not ends:
         sided = [structure for structure in structures if has_direction(structure)]
         found.rows += [
             (structure, *shake)
@@ -182,9 +186,14 @@ def _at_worst_frequency(
     assert demands.up_to is not None  # a range is stated
     found = _worst(demands.structures, motion, low, demands.up_to, limit, workers)
     worst = {s.name: one for s, one in zip(demands.structures, found, strict=True)}
+    rows = [(s, motion, worst[s.name].grid) for s in demands.structures]
+    for reversed_row, one in _worse_reversed(demands, rows, limit, workers):
+        name = reversed_row[0].name
+        worst[name] = one
+        rows[[s.name for s in demands.structures].index(name)] = reversed_row
     return replace(
         demands,
-        rows=[(s, motion, worst[s.name].grid) for s in demands.structures],
+        rows=rows,
         shakes=[(motion, low), (motion, demands.up_to)],
         columns={
             name: {"worst_f_g": one.frequency, "worst_f_g_end": one.end}
@@ -192,6 +201,46 @@ def _at_worst_frequency(
         },
         worst=worst,
     )
+
+
+def _worse_reversed(
+    demands: Demands, rows: list[Demand], limit: Limit | None, workers: int | None
+) -> list[tuple[Demand, WorstFrequency]]:
+    """Return the demand at the worst frequency of the opposite direction, of each body
+    whose sides differ and for which this direction is worse than that of its row.
+    """
+    from ..dynamics.method import has_direction
+
+    sided = [row for row in rows if has_direction(row[0])]
+    if not sided:
+        return []
+    names = ", ".join(structure.name for structure, _, _ in sided)
+    note(f"the worse of both directions, because the sides differ: {names}")
+    bodies, opposite = [s for s, _, _ in sided], sided[0][1].scaled(-1.0)
+    assert demands.up_to is not None  # a range is stated
+    low = demands.shakes[0][1]
+    found = _worst(bodies, opposite, low, demands.up_to, limit, workers)
+    others = [(s, opposite, one.grid) for s, one in zip(bodies, found, strict=True)]
+    judged = _severities([*sided, *others], limit, workers)
+    here, there = judged[: len(sided)], judged[len(sided) :]
+    pairs = zip(others, found, here, there, strict=True)
+    return [(row, one) for row, one, this, other in pairs if other > this]
+
+
+def _severities(
+    demands: list[Demand], limit: Limit | None, workers: int | None
+) -> list[tuple[bool, float]]:
+    """Return how severe demands are, the most severe the largest: whether the body
+    falls, then the demand over its capacity, 0 without one.
+    """
+    from ..responses.check import outcome_alone, standings
+
+    if limit is None:
+        return [(outcome_alone(*demand).falls, 0.0) for demand in demands]
+    return [
+        (one.falls, 1.0 / one.capacity_demand if one.capacity_demand else 0.0)
+        for one in standings(demands, a_max=limit, workers=workers)
+    ]
 
 
 def _worst(
@@ -210,31 +259,20 @@ def _worst(
     )
 
 
-def opposite_outcomes(
-    demands: Demands, limit: Limit | None, workers: int | None
-) -> list[tuple[str, Outcome]]:
+def opposite_outcomes(demands: Demands) -> list[tuple[str, Outcome]]:
     """Return the outcome of each body whose sides differ in the opposite direction,
-    where the rows do not hold it, at the worst frequency of that direction.
+    where the rows do not hold it.
     """
     from ..dynamics.method import has_direction
     from ..responses.check import outcome_alone
 
-    if demands.asked.azimuth is not None or demands.sign == "both":
+    if demands.ranged or demands.asked.azimuth is not None or demands.sign == "both":
         return []
-    sided = [
-        (s, motion.scaled(-1.0), grid)
+    return [
+        (s.name, outcome_alone(s, motion.scaled(-1.0), grid))
         for s, motion, grid in demands.rows
         if has_direction(s)
     ]
-    if sided and demands.up_to is not None:
-        bodies, opposite = [s for s, _, _ in sided], sided[0][1]
-        low = demands.shakes[0][1]
-        found = _worst(bodies, opposite, low, demands.up_to, limit, workers)
-        sided = [
-            (s, motion, one.grid)
-            for (s, motion, _), one in zip(sided, found, strict=True)
-        ]
-    return [(demand[0].name, outcome_alone(*demand)) for demand in sided]
 
 
 def _note_long(demands: Demands, limit: Limit | None) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -83,10 +84,12 @@ def report(
     from ..envelopes.intervals import A_MAX
     from ..reports.page import WRITTEN_WITH, write_page
     from ..reports.page_sections import Subject
+    from ..reports.wording import opposite_in_words
     from ..responses.verdict import tally
     from ..structures import build_structure, with_distinct_names
     from ..structures.mechanics.capacity_curve import require_geometry
     from .check_demands import at_worst, demands_on, opposite_outcomes
+    from .check_remarks import worst_at_an_end
 
     options.check_target(wanted.output, overwrite, PAGES, packages=WRITTEN_WITH)
     by_code = of_code.rows(verdict_only=False)
@@ -107,13 +110,14 @@ def report(
     options.note_interfaces(stated.structures)
     limit = Limit(A_MAX)
     demands = at_worst(stated, limit, workers)
+    opposite = cache(lambda: opposite_outcomes(demands))
     verdicts = write_page(
         [Subject(*pair) for pair in zip(documents, stated.structures, strict=True)],
         demands.rows,
         wanted.output,
         _asked(demands, wanted, by_code, drawn),
         demand=_in_words(demands, wanted.summary),
-        opposite=lambda: opposite_outcomes(demands, limit, workers),
+        opposite=opposite,
         remarks=lambda found: _remarks(found, demands, wanted, by_code, limit),
         recordings=stated.shaken.recordings,
         vertical=asked.vertical,
@@ -124,6 +128,9 @@ def report(
     demand.note_demand(demands.shakes)
     demand.note_governing(demands.structures, demands.shakes[0][1].dimensionless)
     note(f"{wanted.output}: {tally(verdicts)}")
+    if turned := opposite():
+        note(opposite_in_words(turned))
+    note(*worst_at_an_end(demands, verdicts, in_g=True))
     partly(any(v.outcome == Outcome.FAILED for v in verdicts))
 
 

@@ -901,20 +901,33 @@ def test_the_opposite_direction_of_a_body_with_one_side_is_told(rocking):
         done.record["outcome"],
         "unequal sides: overturns T" in done.stderr,
     ) == (5, "rocked", True)
-    ranged = rocking(
-        *call[:4],
-        "--f-g",
-        "1:3",
-        "--verdict-only",
-        "--scale",
-        "-1",
-        "--fail-on",
-        "overturning",
-    )
-    assert (
-        ranged.returncode,
-        "unequal sides: overturns block:0.5x2" in ranged.stderr,
-    ) == (5, True)
+
+
+@pytest.mark.slow
+def test_in_a_range_the_worse_direction_of_unequal_sides_counts(rocking):
+    """The capacity is the lesser one of both directions at the worst frequency, and a
+    body that the stated direction does not overturn falls.
+    """
+    body = ("check", "rigid:left=0.42,right=0.31,height=1.15,gyration=0.68")
+    ranged = (*body, "--a-g", "0.4g", "--f-g", "1.5:2")
+    found = [
+        rocking(*ranged, *more, "--json").record
+        for more in ((), ("--scale", "-1"), ("--sign", "both"))
+    ]
+    capacities = [one["capacity_demand"] for one in found]
+    assert capacities == pytest.approx([capacities[0]] * 3, rel=1e-9)
+    there = (*body, "--a-g", "0.4g", "--f-g", repr(found[0]["worst_f_g"]))
+    both = rocking(*there, "--sign", "both", "--json").records
+    least = min(one["capacity_demand"] for one in both)
+    assert capacities[0] == pytest.approx(least, rel=1e-9)
+
+    ranged = ("check", "block:0.5x2,one_sided=true", "--a-g", "0.6g", "--f-g", "1:3")
+    for scale in ("1", "-1"):
+        more = ("--verdict-only", "--scale", scale, "--fail-on", "overturning")
+        done = rocking(*ranged, *more, "--json")
+        assert done.returncode == 5
+        assert done.record["outcome"].startswith("overturned")
+        assert "worse of both directions" in done.stderr
 
 
 def test_a_further_hinge_of_an_arch_is_named(rocking):

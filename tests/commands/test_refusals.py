@@ -94,8 +94,8 @@ REFUSED = {
     "check": [
         (
             2,
-            f"{COLUMN} --a-g 0.3g --f-g 0.5:2 --sign both",
-            "--sign both does not go with a range of frequencies",
+            f"{COLUMN} --a-g 0.3g --f-g 0.5:2 --sign -",
+            "--sign - does not go with a range of frequencies",
         ),
         (
             2,
