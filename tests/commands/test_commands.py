@@ -159,10 +159,10 @@ LOSS = "rocking_cli.dynamics.observers.contact_loss"
 
 def loaded(arguments: str, folder: Path) -> dict[str, str]:
     """The modules that a call has loaded, with their files."""
-    code = (  # NumPy before its version 2 imports its own `ma`
+    code = (  # NumPy before its version 2 imports its own `ma` and `random`
         "import sys\nfrom rocking_cli.commands import main\ntry:"
         f" main({arguments.replace('OUT', str(folder / 's.h5')).split()!r})\nexcept"
-        " SystemExit as e: assert not e.code, e.code\nown = ['numpy.ma'] if 'numpy' in"
+        " SystemExit as e: assert not e.code, e.code\nown = ['numpy.ma', 'numpy.random'] if 'numpy' in"
         " sys.modules and sys.modules['numpy'].__version__ < '2' else"
         " []\nprint(*(f'{n} {vars(m).get(\"__file__\")}' for n, m in"
         " list(sys.modules.items()) if n not in own), sep='\\n', file=sys.stderr)"
