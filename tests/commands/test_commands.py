@@ -157,16 +157,27 @@ BODY = "rocking_cli.dynamics.equations.rigid_body"
 LOSS = "rocking_cli.dynamics.observers.contact_loss"
 
 
+LOADED = """
+import sys
+from rocking_cli.commands import main
+
+try:
+    main({words!r})
+except SystemExit as ended:
+    assert not ended.code, ended.code
+# NumPy before its version 2 imports these itself
+old = "numpy" in sys.modules and sys.modules["numpy"].__version__ < "2"
+own = ["numpy.ma", "numpy.random"] if old else []
+for name, module in list(sys.modules.items()):
+    if name not in own:
+        print(name, vars(module).get("__file__"), file=sys.stderr)
+"""
+
+
 def loaded(arguments: str, folder: Path) -> dict[str, str]:
     """The modules that a call has loaded, with their files."""
-    code = (  # NumPy before its version 2 imports its own `ma` and `random`
-        "import sys\nfrom rocking_cli.commands import main\ntry:"
-        f" main({arguments.replace('OUT', str(folder / 's.h5')).split()!r})\nexcept"
-        " SystemExit as e: assert not e.code, e.code\nown = ['numpy.ma', 'numpy.random'] if 'numpy' in"
-        " sys.modules and sys.modules['numpy'].__version__ < '2' else"
-        " []\nprint(*(f'{n} {vars(m).get(\"__file__\")}' for n, m in"
-        " list(sys.modules.items()) if n not in own), sep='\\n', file=sys.stderr)"
-    )
+    words = arguments.replace("OUT", str(folder / "s.h5")).split()
+    code = LOADED.format(words=words)
     done = subprocess.run(
         [sys.executable, "-c", code],
         capture_output=True,
