@@ -37,6 +37,7 @@ from ...errors import DocumentError, NoAcceleration, UsageError
 from ...plugins import blamed, installed
 from . import asdf, plain
 from .claims import agree
+from .cut_files import cut_number
 from .encodings import as_utf_8
 from .record import EVERY, Given, Record, Series, pick, record_of, require_series
 from .text import HEAD, RecordText
@@ -161,6 +162,15 @@ def require_column(column: str | None) -> None:
         )
 
 
+def _refuse_cut(source: str, content: bytes) -> None:
+    """Refuse a file that ends inside a number. Raises DocumentError."""
+    if (cut := cut_number(content)) is not None:
+        raise DocumentError(
+            f"{source}: found {cut!r} at the end of the file, which is not written as"
+            " the numbers before it; the file may be cut"
+        )
+
+
 def records_of(
     source: str,
     raw: bytes,
@@ -207,6 +217,7 @@ def records_of(
     with nullcontext() if entry is None else _blamed(source, entry):
         read = found.read(text)
         require_series(read)
+        _refuse_cut(source, content)
         if found is not plain and named:
             _require_agreement(source, read, given, found.NAME)
         also = "an uncorrected accelerogram" if uncorrected else ""

@@ -78,9 +78,10 @@ _COUNT_WORDS = (
 _STEP = re.compile(rf"(?:{_STEP_WORDS}){_UNIT}{_KEY}(?:{_NUM}{_WORD})?")
 _RATE = re.compile(rf"(?:{_RATE_WORDS}){_UNIT}{_KEY}(?:{_NUM}{_WORD})?")
 _AT_RATE = re.compile(
-    rf"(?:\bat\s+|^\s*){_NUM}\s*(hz|sps|khz|samples?/s\w*|pts/s\w*|samples per"
+    rf"(?:\bat\s+|^\s*|[,;]\s*){_NUM}\s*(hz|sps|khz|samples?/s\w*|pts/s\w*|samples per"
     r" sec\w*)(?![a-z])"
 )
+_NUMBER_BEFORE = re.compile(r"\d[.\d]*\s*$")  # of the number in `100 sps, 4.0 s`
 _ALONE = re.compile(rf"\s*{_NUM}\s*(s|sec|secs|seconds?|ms|msec|us)\.?\s*")
 _STEP_BEHIND = re.compile(
     rf"{_NUM}\s*(s|sec|secs|seconds?|ms|msec)\.?\s*(?:time |sampling )?"
@@ -112,6 +113,10 @@ _NOT_OF_THE_RECORD = re.compile(
     r" ?_?30|wave|magnitude|highest|largest)\b|\bvs\b|\b(?:arias|ia|cav)\b\D*\d"
 )
 _KEYED = re.compile(r"\s*[^:=]{1,60}[:=]\s*\S|[^,;\t]{1,60}[,;\t]\s*[-+]?\.?\d")
+# a step behind something else in the key of a line, as of `velocity, cm/s, dt=0.01 s`
+_STEP_AT_END = re.compile(
+    rf"(?:^|[\s,;]+)(?:{_STEP_WORDS}|{_RATE_WORDS}|npts|points)[^,;]*$"
+)
 # the key of a line that says what the numbers are, as `Quantity: displacement`
 _OF_THE_NUMBERS = re.compile(
     r"(?:physical )?quantity|(?:(?:data|record|file|channel) )?type(?: of data)?|data"
@@ -292,6 +297,7 @@ class Claims:
         key, _, value = words.replace("=", ":", 1).partition(":")
         cell = cell_of(key)
         said, what = without_aim(plain(value)), plain(key).strip()
+        self._before_step(what, words, at)
         spectral = names_spectrum(said)
         if (spectral and _OF_A_TITLE.fullmatch(what)) or (
             (spectral or others_in(said)) and _OF_THE_NUMBERS.fullmatch(what)
@@ -305,6 +311,16 @@ class Claims:
             self.state("unit", unit, words, at)
         if cell.role == "time" and (seconds := time_unit(value)) is not None:
             self.state("seconds", seconds, words, at)
+
+    def _before_step(self, key: str, words: str, at: int) -> None:
+        """Refuse another quantity that a line names before its step."""
+        first = _STEP_AT_END.search(key)
+        named = without_aim(key[: first.start()]) if first is not None else ""
+        if _NOT_OF_THE_RECORD.search(named) or ":" in named:
+            return
+        other = others_in(named) and not names_acceleration(named)
+        if other or names_spectrum(named):
+            raise self.fault(f"found {words!r}; expected an acceleration", at)
 
     def _unit_beside(self, words: str, at: int) -> None:
         """Take the unit that stands beside the word acceleration, or in its line."""
@@ -377,7 +393,11 @@ class Claims:
         if (alone := _ALONE.fullmatch(text)) is not None:
             self._step(alone[1], alone[2], words, at)
             return
-        rates = [found for found in _RATE.finditer(text) if found[2] is not None]
+        rates = [
+            found
+            for found in _RATE.finditer(text)
+            if found[2] is not None and not _NUMBER_BEFORE.search(text[: found.start()])
+        ]
         for found in rates:
             self._whole_number(text[found.end(2) :], words, at)
             self._rate(found, words, at)

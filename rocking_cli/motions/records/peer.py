@@ -62,7 +62,8 @@ def read(text: RecordText) -> list[Series]:
     claims = Claims(text.no_acceleration)
     for i, (words, number) in enumerate(above):
         claims.take(words, number, strict=i == len(above) - 1)
-    behind = found.string[found.end() :]
+    before, behind = found.string[: found.start()], found.string[found.end() :]
+    claims.take(before, text.line - 1)
     if re.match(r"\W*\d", behind):  # DT= 1/100
         raise text.fault(f"found {behind.strip()!r} after the time step {found[2]!r}")
     claims.take(behind, text.line - 1)

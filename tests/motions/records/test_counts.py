@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 from support.packages import installed
-from support.record_layouts import as_printed, refusal, rows, wave
+from support.record_layouts import as_printed, at2, refusal, rows, wave
 
 from rocking_cli.errors import DocumentError
 from rocking_cli.motions.records import FORMATS, GROUP, read_records
@@ -313,3 +313,11 @@ def test_times_are_never_read_as_accelerations(tmp_path):
     np.testing.assert_array_equal(
         record.acceleration, 9.81 * as_printed(of_length(403), "{:10.3f}")
     )
+
+
+@pytest.mark.parametrize("end", ["-4.486", "-4.4860000E-0", "-4"])
+def test_a_number_that_the_end_of_the_file_cuts_is_refused(tmp_path, end):
+    whole = at2(wave(100))
+    *_, last = whole.split()
+    said = refusal(tmp_path / "a.at2", whole.rstrip().removesuffix(last) + end + "\n")
+    assert f"found '{end}' at the end of the file" in said
