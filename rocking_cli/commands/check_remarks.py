@@ -18,8 +18,10 @@ _NAMED = 3  # structures that a line names
 _SENTENCES = 8  # bodies that slide with a line each, at most
 
 
-def remarks(verdicts: list[Verdict]) -> list[str]:
-    """Return the lines on which structures overturn, and what to note on the others."""
+def remarks(verdicts: list[Verdict], *, of_means: bool = False) -> list[str]:
+    """Return the lines on which structures overturn, and what to note on the others;
+    of_means: True if lines on draws stand before them.
+    """
     several = len({v.motion for v in verdicts}) > 1
 
     def named(found: Iterable[Verdict]) -> list[str]:
@@ -31,7 +33,8 @@ def remarks(verdicts: list[Verdict]) -> list[str]:
     if verdicts:
         overturned = named(v for v in verdicts if v.outcome.overturned)
         names = f": {', '.join(overturned)}" if overturned else ""
-        lines.append(f"{len(overturned)} of {len(verdicts)} overturn{names}")
+        means = "of the means, " if of_means else ""
+        lines.append(f"{means}{len(overturned)} of {len(verdicts)} overturn{names}")
     for words, holds in _conditions():
         if names_of := named(filter(holds, verdicts)):
             lines.append(f"{words}: {', '.join(names_of)}")
