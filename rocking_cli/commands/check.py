@@ -303,9 +303,13 @@ def _lines(
     """Yield the lines below the rows, none with --quiet."""
     if is_quiet():
         return
-    from ..envelopes.capacity import narrowest
     from ..responses.inset import may_be_worn
-    from .check_remarks import inset_effects, remarks, worst_at_an_end
+    from .check_remarks import (
+        inset_effects,
+        narrow_intervals,
+        remarks,
+        worst_at_an_end,
+    )
 
     yield from remarks(judged, of_means=bool(of_draws.said))
     yield from worst_at_an_end(demands, judged, _in_g(demands.asked))
@@ -323,11 +327,7 @@ def _lines(
         yield (
             "worn or rounded edges lower the capacity: --inset-effect shows by how much"
         )
-    width = " or ".join(dict.fromkeys(narrowest(shake) for shake, _ in demands.shakes))
-    yield (
-        f"intervals narrower than {width} may be missed, also far below the capacity,"
-        " but not around the demand"
-    )
+    yield narrow_intervals(demands.shakes)
 
 
 def _in_g(asked: demand.Directed) -> bool:

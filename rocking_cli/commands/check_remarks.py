@@ -10,6 +10,8 @@ from .progress import ProgressLine
 if TYPE_CHECKING:
     from ..envelopes.amplitudes import Limit
     from ..envelopes.worst import BeyondTheEnd
+    from ..motions import Motion
+    from ..motions.grid import Grid
     from ..responses.verdict import Verdict
     from ..structures import RockingParameters
     from .check_demands import Demands
@@ -253,6 +255,17 @@ def _several_at_the_end(
     if unmoved:
         lifts += f": the demand lifts {unmoved} of these rows at no frequency"
     return f"{where}: {len(found)} of {rows} rows (worst_f_g_end); {said}. {lifts}"
+
+
+def narrow_intervals(shakes: Iterable[tuple[Motion, Grid]]) -> str:
+    """Return the line on the intervals that a search for capacities may miss."""
+    from ..envelopes.capacity import narrowest
+
+    width = " or ".join(dict.fromkeys(narrowest(motion) for motion, _ in shakes))
+    return (
+        f"intervals narrower than {width} may be missed, also far below the capacity,"
+        " but not around the demand"
+    )
 
 
 def inset_effects(

@@ -70,6 +70,7 @@ def solve(
     """
     from ..responses.solving import SCAN, boundaries
     from ..structures.family import parse_variation
+    from .check_remarks import narrow_intervals
 
     figure.check()
     files, motions = asked.several(files)
@@ -126,6 +127,7 @@ def solve(
         *remarks,
         f"the scan has {len(varied.values)} values; two boundaries between neighbours"
         " of them may be missed",
+        narrow_intervals(shakes),
     )
 
 

@@ -123,9 +123,10 @@ def test_a_share_of_the_records(rocking, judged):
         "--json",
     )
     for share, value in (("1", 6.0), ("0.9", 6.0), ("0.66", 3.0), ("0.3", 1.5)):
-        assert rocking(*call, "--share", share).record["value"] == pytest.approx(
-            value, rel=5e-6
-        )
+        done = rocking(*call, "--share", share)
+        assert done.record["value"] == pytest.approx(value, rel=5e-6)
+        # the line of check
+        assert "intervals narrower than 0.1 % of the amplitude (0.01" in done.stderr
 
 
 def test_values_without_a_structure_are_named_and_nothing_is_claimed_of_them(
