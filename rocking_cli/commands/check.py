@@ -164,7 +164,7 @@ def check(
     opposite = opposite_outcomes(demands)
     demand.note_demand(demands.shakes)
     demand.note_governing(demands.structures, demands.shakes[0][1].dimensionless)
-    note(*of_draws.said, *_lines(judged, demands, wanted, by_code, opposite))
+    note(*of_draws.said, *_lines(judged, demands, wanted, by_code, opposite, of_draws))
     outcomes = [*(v.outcome for v in judged), *(outcome for _, outcome in opposite)]
     partly(Outcome.FAILED in outcomes)
     if wanted.fail_on and any(outcome.falls for outcome in outcomes):
@@ -298,15 +298,20 @@ def _lines(
     wanted: CheckOptions,
     by_code: CodeRows | None,
     opposite: list[tuple[str, Outcome]],
+    of_draws: DrawnRows,
 ) -> Iterator[str]:
     """Yield the lines below the rows, none with --quiet."""
     if is_quiet():
         return
-    from ..envelopes.capacity import narrowest
     from ..responses.inset import may_be_worn
-    from .check_remarks import inset_effects, remarks, worst_at_an_end
+    from .check_remarks import (
+        inset_effects,
+        narrow_intervals,
+        remarks,
+        worst_at_an_end,
+    )
 
-    yield from remarks(judged)
+    yield from remarks(judged, of_means=bool(of_draws.said))
     yield from worst_at_an_end(demands, judged, _in_g(demands.asked))
     yield from by_code.said() if by_code else ()
     if opposite:
@@ -322,11 +327,7 @@ def _lines(
         yield (
             "worn or rounded edges lower the capacity: --inset-effect shows by how much"
         )
-    width = " or ".join(dict.fromkeys(narrowest(shake) for shake, _ in demands.shakes))
-    yield (
-        f"intervals narrower than {width} may be missed, also far below the capacity,"
-        " but not around the demand"
-    )
+    yield narrow_intervals(demands.shakes)
 
 
 def _in_g(asked: demand.Directed) -> bool:

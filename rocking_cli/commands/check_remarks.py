@@ -10,6 +10,8 @@ from .progress import ProgressLine
 if TYPE_CHECKING:
     from ..envelopes.amplitudes import Limit
     from ..envelopes.worst import BeyondTheEnd
+    from ..motions import Motion
+    from ..motions.grid import Grid
     from ..responses.verdict import Verdict
     from ..structures import RockingParameters
     from .check_demands import Demands
@@ -18,8 +20,10 @@ _NAMED = 3  # structures that a line names
 _SENTENCES = 8  # bodies that slide with a line each, at most
 
 
-def remarks(verdicts: list[Verdict]) -> list[str]:
-    """Return the lines on which structures overturn, and what to note on the others."""
+def remarks(verdicts: list[Verdict], *, of_means: bool = False) -> list[str]:
+    """Return the lines on which structures overturn, and what to note on the others;
+    of_means: True if lines on draws stand before them.
+    """
     several = len({v.motion for v in verdicts}) > 1
 
     def named(found: Iterable[Verdict]) -> list[str]:
@@ -31,7 +35,8 @@ def remarks(verdicts: list[Verdict]) -> list[str]:
     if verdicts:
         overturned = named(v for v in verdicts if v.outcome.overturned)
         names = f": {', '.join(overturned)}" if overturned else ""
-        lines.append(f"{len(overturned)} of {len(verdicts)} overturn{names}")
+        means = "of the means, " if of_means else ""
+        lines.append(f"{means}{len(overturned)} of {len(verdicts)} overturn{names}")
     for words, holds in _conditions():
         if names_of := named(filter(holds, verdicts)):
             lines.append(f"{words}: {', '.join(names_of)}")
@@ -250,6 +255,17 @@ def _several_at_the_end(
     if unmoved:
         lifts += f": the demand lifts {unmoved} of these rows at no frequency"
     return f"{where}: {len(found)} of {rows} rows (worst_f_g_end); {said}. {lifts}"
+
+
+def narrow_intervals(shakes: Iterable[tuple[Motion, Grid]]) -> str:
+    """Return the line on the intervals that a search for capacities may miss."""
+    from ..envelopes.capacity import narrowest
+
+    width = " or ".join(dict.fromkeys(narrowest(motion) for motion, _ in shakes))
+    return (
+        f"intervals narrower than {width} may be missed, also far below the capacity,"
+        " but not around the demand"
+    )
 
 
 def inset_effects(

@@ -62,13 +62,15 @@ def solve(
 
     One row for each boundary in the range: the value, the side on which the structure
     stands, and capacity_demand of the document with this value; without a boundary, a
-    row with an empty value whose side is "stands everywhere" or "stands nowhere". Under
-    records the margin holds for a share of them; of a range of frequencies (--f-g
+    row with an empty value whose side is "stands everywhere" or "stands nowhere", or
+    such as "stands at 14 of 17 values" if the others have no structure or no verdict.
+    Under records the margin holds for a share of them; of a range of frequencies (--f-g
     0.5:2) the worst one counts. Two boundaries between neighbouring values of the scan
     may be missed. The equation is the governing one, as in rocking check.
     """
     from ..responses.solving import SCAN, boundaries
     from ..structures.family import parse_variation
+    from .check_remarks import narrow_intervals
 
     figure.check()
     files, motions = asked.several(files)
@@ -125,6 +127,7 @@ def solve(
         *remarks,
         f"the scan has {len(varied.values)} values; two boundaries between neighbours"
         " of them may be missed",
+        narrow_intervals(shakes),
     )
 
 

@@ -14,7 +14,7 @@ import numpy as np
 from ..dynamics.method import LINEAR, Method
 from ..dynamics.outcome import Outcome
 from ..envelopes.amplitudes import LONGEST_FINE, Limit, limit_of
-from ..envelopes.capacity import Capacity, begun_together
+from ..envelopes.capacity import Capacity, CapacitySearch, begun_together
 from ..envelopes.intervals import A_MAX
 from ..errors import UsageError
 from ..motions import Motion
@@ -205,6 +205,8 @@ def _judged(
     first, safe_to = (None, None) if a_max is None else answer.lowest(found)
     done(2 / _STAGES)
     asked = _of_history(method, structure, motion, shaking)
+    if first is not None and asked.get("devices"):
+        asked["devices"] = _to_capacity(asked["devices"], search, first)
     done(1.0)
 
     rotation, needed = (
@@ -236,6 +238,24 @@ def _judged(
     from .sliding import with_sliding
 
     return with_sliding(verdict, structure, motion, shaking)
+
+
+def _to_capacity(
+    devices: tuple[dict[str, Any], ...], search: CapacitySearch, first: float
+) -> tuple[dict[str, Any], ...]:
+    """Return the rows of ties and a tendon with what the first overturning amplitude
+    [m/s2] adds to them.
+    """
+    from .tied_history import with_capacity
+
+    return with_capacity(
+        devices,
+        search.method.system_of(search.structure),
+        search.motion,
+        float(search.structure.dimensionless_amplitude(first)),
+        search.omega,
+        search.structure.eta,
+    )
 
 
 def _of_floor(motion: Motion, a_g: float) -> dict[str, Any]:

@@ -26,7 +26,7 @@ from ..motions.given import AnyMotion, Shake, demand_of, demands_of
 from ..motions.grid import Grid
 from ..processes import available_cpus
 from ..showing import Shown
-from ..structures.family import Variation, family, parse_variation
+from ..structures.family import Member, Variation, family, parse_variation
 from ..structures.friction import friction_that_slides, refuse_range, sliders
 from ..structures.given import document_from
 from ..structures.parameters import RockingParameters
@@ -40,6 +40,7 @@ _DIGITS = (
 # this one
 _BEYOND = 2.0
 _EXACT = 1e-8  # of a boundary before it is rounded
+_EDGE = 1e-6  # of a value: the first one with a structure is found to it
 SCAN = 17  # values of a range that states no number
 _AT_ONCE = 3  # values of the scan for each process, which are judged together
 _ASKED_TOGETHER = 20  # values of the scan whose outcomes are asked together
@@ -59,7 +60,8 @@ class Boundary(Shown):
     key: of the document
     value: [SI]
     side: "stands above" or "stands below"; without a boundary "stands everywhere" or
-        "stands nowhere"
+        "stands nowhere", and "stands at 14 of 17 values" or "falls at 14 of 17 values"
+        if values of the scan have no structure or no verdict
     capacity_demand: the number that `check` finds for the document with this value;
         under a set of motions the least one over the motions of the required share;
         None if nothing overturns the structure, as one that slides
@@ -79,7 +81,8 @@ class Boundary(Shown):
     key: str  # of the document
     value: float | None  # [SI]
     # "stands above" or "stands below"; without a boundary "stands everywhere" or
-    # "stands nowhere"
+    # "stands nowhere", and "stands at 14 of 17 values" or "falls at 14 of 17 values" if
+    # values of the scan have no structure or no verdict
     side: str
     # the number that `check` finds for the document with this value; under a set of
     # motions the least one over the motions of the required share; None if nothing
@@ -157,7 +160,7 @@ def boundaries(
     -------
     tuple of (list of Boundary, list of str)
         the boundaries, and remarks; without a boundary one row, which says whether the
-        structure stands at all values
+        structure stands at all values, or at how many of them
 
     Raises
     ------
@@ -260,23 +263,112 @@ class _BoundarySearch:
     def boundaries(
         self, scanned: Sequence[tuple[float, bool | None]]
     ) -> list[Boundary]:
-        """Return the boundaries between neighbours of the scan; a single row without a
-        value if the structure stands, or falls, at all of them.
+        """Return the boundaries between neighbours of the scan, and between its values
+        and the first ones that have a structure; a single row without a value if the
+        structure stands, or falls, at all of them.
         """
         found = []
-        for (low, x), (high, y) in pairwise(scanned):
+        judged = self._with_edges(scanned)
+        for (low, x), (high, y) in pairwise(judged):
             if x is not None and y is not None and x != y:
                 found.append(self.boundary(low, high, y))
-        known = [(value, x) for value, x in scanned if x is not None]
+        known = [(value, x) for value, x in judged if x is not None]
         if len({stands for _, stands in known}) != 1:
             return [one for one in found if one is not None]
         value, stands = known[0]
+        return [self.row(value, self._without_boundary(scanned, stands))]
+
+    def _without_boundary(
+        self, scanned: Sequence[tuple[float, bool | None]], stands: bool
+    ) -> str:
+        """Return the side of a row without a boundary, and remark on it; stands: True
+        if the structure stands at all values that have a verdict.
+        """
+        judged = sum(x is not None for _, x in scanned)
+        said = "stands" if stands else "does not stand"
+        if judged == len(scanned):
+            self.remarks.append(f"{said} with this margin at any value of the scan")
+            return "stands everywhere" if stands else "stands nowhere"
         self.remarks.append(
-            f"{'stands' if stands else 'does not stand'} with this margin at any value"
-            " of the scan"
+            f"{said} with this margin at {judged} of the {len(scanned)} values of the"
+            " scan; nothing is said of the others, which have no structure or no"
+            " verdict"
         )
-        side = "stands everywhere" if stands else "stands nowhere"
-        return [self.row(value, side)]
+        return f"{'stands' if stands else 'falls'} at {judged} of {len(scanned)} values"
+
+    def _with_edges(
+        self, scanned: Sequence[tuple[float, bool | None]]
+    ) -> list[tuple[float, bool | None]]:
+        """Return the scan and, between a value without a structure and a neighbour with
+        a verdict, a value of `_edge`.
+        """
+        judged = list(scanned[:1])
+        for (low, x), (high, y) in pairwise(scanned):
+            if x is None and y is not None and not self._demands(low):
+                judged.append(self._edge(low, high, y, "from"))
+            elif y is None and x is not None and not self._demands(high):
+                judged.append(self._edge(high, low, x, "up to"))
+            judged.append((high, y))
+        return judged
+
+    def _edge(
+        self, without: float, judged: float, stands: bool, to: str
+    ) -> tuple[float, bool]:
+        """Return the value closest to one without a structure that has a structure and
+        a verdict, or one with the other verdict, and whether the structure stands
+        there. Remark on the structures that exist from, or up to, a value.
+
+        stands: True if the structure stands at the value `judged`.
+        """
+        key = self.varied.key
+
+        def exists(value: float) -> bool | None:
+            return None if any(one.fault for one in self._members(value)) else stands
+
+        edge, _ = self._closest(without, judged, stands, exists)
+        said = f"there is a structure {to} {key} = {edge:.6g}"
+        there = self._verdict(edge)
+        if there is None:  # no equation holds, or the search fails
+            edge, there = self._closest(edge, judged, stands, self._verdict)
+            said += f", and a verdict {to} {key} = {edge:.6g}" * (there is stands)
+        if there is stands:
+            said += f", where it {'stands' if stands else 'does not stand'}"
+        self.remarks.append(said)
+        return edge, there
+
+    def _closest(
+        self,
+        without: float,
+        known: float,
+        stands: bool,
+        asked: Callable[[float], bool | None],
+    ) -> tuple[float, bool]:
+        """Return the value closest to `without` at which `asked` is not None, or one at
+        which it is not `stands`, and what it is there; `stands` is that of `known`.
+        """
+        close = _EDGE * max(abs(without), abs(known))
+        there = stands
+        while there is stands and abs(known - without) > close:
+            middle = 0.5 * (without + known)
+            found = asked(middle)
+            if found is None:
+                without = middle
+            else:
+                known, there = middle, found
+        return known, there
+
+    def _verdict(self, value: float) -> bool | None:
+        """Return `stand` of a value that the user did not ask: without a line if there
+        is no verdict, also None if no equation holds.
+        """
+        before = len(self.remarks)
+        try:
+            (stands,) = self.stand([value])
+        except UsageError:
+            stands = None
+        if stands is None:
+            del self.remarks[before:]
+        return stands
 
     def stand(
         self, values: Sequence[float], *, scanned: bool = True
@@ -363,14 +455,15 @@ class _BoundarySearch:
 
     def _new_demands(self, value: float) -> list[Demand]:
         """As `_demands`, for a value that is asked for the first time."""
-        varied = self.varied._replace(values=(value,))
-        members = list(family(self.document, [varied], each=True))
-        structures = [x.parameters for x in members if x.parameters is not None]
-        if not structures:
+        members = self._members(value)
+        faults = [x.fault for x in members if x.fault is not None]
+        if faults:
             self.known[value] = math.nan
             self.remarks.append(
-                f"no solution for {varied.key} = {value:g}: {members[0].fault}"
+                f"no solution for {self.varied.key} = {value:g}: {faults[0]}"
             )
+            return []
+        structures = [x.parameters for x in members if x.parameters is not None]
         if sliders(structures):
             self.remarks.append(
                 "with a friction below lambda it slides, never rocks, and counts as"
@@ -385,6 +478,11 @@ class _BoundarySearch:
             for one in structures
         ]
         return demands if self.up_to is None else self._at_worst(value, demands)
+
+    def _members(self, value: float) -> list[Member]:
+        """Return the structures of a value of the key, of a stack each interface."""
+        varied = self.varied._replace(values=(value,))
+        return list(family(self.document, [varied], each=True))
 
     def _at_worst(self, value: float, demands: Sequence[Demand]) -> list[Demand]:
         """Return the demands at the worst frequency of the range. Raises UsageError for
@@ -452,7 +550,14 @@ class _BoundarySearch:
         """Return the boundary between two values; above: True if the structure stands
         above it. None next to a value without a structure or a verdict.
         """
-        exact = self._narrowed(low, high, above)
+        try:
+            exact = self._narrowed(low, high, above)
+        except UsageError as error:  # no equation holds at a value between them
+            self.remarks.append(
+                f"no verdict for {self.varied.key} between {low:g} and {high:g}:"
+                f" {error}"
+            )
+            return None
         if exact is None:
             return None
         value = self._rounded(exact, low, high, above)

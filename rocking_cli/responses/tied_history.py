@@ -162,8 +162,9 @@ def device_rows(system: System, march: March) -> list[dict[str, Any]]:
     """Return a row for each tie and the tendon of the first cell. device: its name;
     force: its largest force [N]; tie_force: force over its yield, without one over its
     force at rupture [-], None without both; tie_elongation, permanent: its largest and
-    its permanent elongation [m]; state: elastic, yielded or broken; words: the row as a
-    sentence. A tie of both sides acts as two; its row has the larger numbers and the
+    its permanent elongation [m]; state: elastic, yielded or broken; endless: True if it
+    has yielded and no elongation breaks it; words: the row as a sentence. A tie of both
+    sides acts as two; its row has the larger numbers and the
     worse state.
     """
     devices, found = system.devices, march.found
@@ -201,8 +202,39 @@ def device_rows(system: System, march: March) -> list[dict[str, Any]]:
                 )
             ],
         }
+        never_breaks = bool(np.isinf(devices.ultimate[at]))
+        row["endless"] = row["state"] == "yielded" and never_breaks
         table.append({**row, "words": _in_words(row, word)})
     return table
+
+
+def with_capacity(
+    rows: tuple[dict[str, Any], ...],
+    system: System,
+    motion: Motion,
+    amplitude: float,
+    omega: float,
+    eta: float,
+) -> tuple[dict[str, Any], ...]:
+    """Return rows of `device_rows` with `endless` also for the devices that have
+    yielded under the first overturning amplitude.
+    """
+    devices = system.devices
+    assert devices is not None
+    if not (np.isfinite(devices.force) & np.isinf(devices.ultimate)).any():
+        return rows
+    march = March(
+        system,
+        motion.coarsest,
+        np.array([amplitude]),
+        np.array([omega]),
+        np.array([eta]),
+    )
+    march.run(0.0)
+    return tuple(
+        {**row, "endless": row["endless"] or at_capacity["endless"]}
+        for row, at_capacity in zip(rows, device_rows(system, march), strict=True)
+    )
 
 
 def _rank(branch: int, plastic: float) -> int:
@@ -255,8 +287,9 @@ def _in_words(device: dict[str, Any], limit: str) -> str:
 def remarks(
     devices: tuple[dict[str, Any], ...], first: float | None, free: float | None
 ) -> list[str]:
-    """Return a sentence for each row of `device_rows`, and one that compares first, the
-    lowest overturning amplitude, with free, that without these devices.
+    """Return a sentence for each row of `device_rows`, one that compares first, the
+    lowest overturning amplitude, with free, that without these devices, and one on
+    devices that yield and never break.
     """
     lines = [one["words"] for one in devices]
     if first is not None and free is not None:
@@ -275,5 +308,11 @@ def remarks(
         verb = ("add" if change >= 0.0 else "take") + "s" * (name == "tendon")
         lines.append(
             f"its {name} {verb} {abs(change):.3g} % of the capacity without {without}"
+        )
+    if endless := [one["device"] for one in devices if one.get("endless")]:
+        lines.append(
+            f"without `ultimate`, {' and '.join(endless)} never"
+            f" {'breaks' if len(endless) == 1 else 'break'} in this model, however far"
+            " stretched beyond yield"
         )
     return lines

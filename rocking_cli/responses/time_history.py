@@ -532,7 +532,11 @@ class TimeHistory(Shown):
                 summary["top_displacement"] = self.top_displacement(model)
             if found.devices:
                 summary["devices"] = [
-                    {key: x for key, x in one.items() if key != "words"}
+                    {
+                        key: x
+                        for key, x in one.items()
+                        if key not in ("words", "endless")
+                    }
                     for one in found.devices
                 ]
             outcome = self.outcome(model)

@@ -39,6 +39,7 @@ def test_check_gives_the_share_that_falls(rocking, workers):
     assert (row["key_1"], row["draws"]) == ("width", 256)
     assert certain["share_falls"] is None
     assert "of 256 draws 62" in done.stderr
+    assert "of the means, 1 of 2 overturn: block:0.62+-0.01x2\n" in done.stderr
 
 
 def test_quantiles_of_the_first_overturning_have_the_units_of_the_table(rocking):

@@ -6,6 +6,7 @@ import pytest
 
 from rocking_cli import Outcome, load_structures, parse_grid, sine
 from rocking_cli.envelopes.amplitudes import Limit
+from rocking_cli.errors import UsageError
 from rocking_cli.responses.check import Standing, standings
 from rocking_cli.responses.withstanding import withstand
 
@@ -122,9 +123,10 @@ def test_a_share_of_the_records(rocking, judged):
         "--json",
     )
     for share, value in (("1", 6.0), ("0.9", 6.0), ("0.66", 3.0), ("0.3", 1.5)):
-        assert rocking(*call, "--share", share).record["value"] == pytest.approx(
-            value, rel=5e-6
-        )
+        done = rocking(*call, "--share", share)
+        assert done.record["value"] == pytest.approx(value, rel=5e-6)
+        # the line of check
+        assert "intervals narrower than 0.1 % of the amplitude (0.01" in done.stderr
 
 
 def test_values_without_a_structure_are_named_and_nothing_is_claimed_of_them(
@@ -145,6 +147,61 @@ def test_values_without_a_structure_are_named_and_nothing_is_claimed_of_them(
         "",
         False,
     )
+
+
+@pytest.mark.parametrize(
+    ("capacity", "value", "side"),
+    [
+        (lambda h: h / 0.75, 0.75, "stands above"),
+        (lambda h: 0.75 / h, 0.75, "stands below"),
+        (lambda _: 2.0, None, "stands at 2 of 4 values"),
+        (lambda _: 0.5, None, "falls at 2 of 4 values"),
+    ],
+)
+def test_the_search_goes_on_to_the_first_value_that_has_a_structure(
+    rocking, judged, capacity, value, side
+):
+    """The least height of a block is 0.6 m/sqrt(2) = 0.424264 m, the first one with a
+    structure of the scan 1 m.
+    """
+    judged(capacity)
+    call = ("solve", "block:0.6x1", *SHAKING, "--vary", "height=-1:2:4", "--json")
+    done = rocking(*call)
+    assert (done.returncode, done.record["side"]) == (4, side)
+    assert done.record["value"] == (value and pytest.approx(value, rel=2e-6))
+    assert "there is a structure from height = 0.42426" in done.stderr
+    assert "any value" not in done.stderr
+
+
+def test_the_search_goes_on_to_the_first_value_that_has_a_verdict(rocking, judged):
+    """As near the thinnest arch, where no equation holds."""
+
+    def capacity(h: float) -> float:
+        if h < 0.6:
+            raise UsageError("no equation holds")
+        return h / limit
+
+    judged(capacity)
+    call = ("solve", "block:0.6x1", *SHAKING, "--vary", "height=0:2:3", "--json")
+    limit = 0.75
+    assert rocking(*call).record["value"] == pytest.approx(0.75, rel=2e-6)
+    limit = 0.5
+    done = rocking(*call)
+    assert done.record["side"] == "stands at 2 of 3 values"
+    assert (
+        "there is a structure from height = 0.424265, and a verdict from height ="
+        " 0.6, where it stands" in done.stderr
+    )
+
+
+@pytest.mark.slow
+def test_an_arch_too_thin_for_its_weight_never_counts_as_standing(rocking):
+    """0.6375 m carries no weight, 0.70 m overturns, 0.80625 m stands; the value is that
+    of thickness=0.65:0.9:2, whose ends both exist.
+    """
+    call = ("solve", "arch:10x1.5x157.5deg", "--a-g", "0.3g", "--f-g", "2", "--json")
+    row = rocking(*call, "--vary", "thickness=0.6375:0.80625:2").record
+    assert (row["side"], row["value"]) == ("stands above", 0.728096)
 
 
 def test_both_directions_are_those_of_the_weaker_one(rocking, judged, monkeypatch):

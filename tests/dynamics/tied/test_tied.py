@@ -675,6 +675,25 @@ def test_the_change_of_the_capacity_names_its_restraints(names, first, words):
     )
 
 
+@pytest.mark.parametrize(
+    ("a_g", "tie", "told"),
+    [
+        (0.3, YIELDING, True),  # elastic: it yields at the capacity of 1.34 g
+        (1.0, YIELDING, True),
+        (0.3, TIE % ", yield: 20 kN, ultimate: 50 cm", False),
+        (0.3, ELASTIC, False),
+    ],
+)
+def test_check_says_that_a_yielding_tie_never_breaks(a_g, tie, told):
+    """As its capacity may count on any elongation."""
+    demand = parse_grid(f"a_g={a_g}g,T_g=0.8")
+    verdict = check(built(WALL + tie), OUTWARDS, demand)
+    said = remarks(
+        verdict.devices, verdict.first_overturning_a, verdict.first_overturning_a_free
+    )
+    assert any("tie 1 never breaks in this model" in line for line in said) is told
+
+
 def test_a_vertical_motion_is_refused():
     from rocking_cli.motions.biaxial import with_vertical
 
