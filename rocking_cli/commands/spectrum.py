@@ -131,7 +131,10 @@ def spectrum(
         *summary_lines(summary, str(wanted.output)),
     )
     if wanted.json_:
-        emit([{"output": str(wanted.output), **summary.row()}], form="json")
+        # Where no cell was checked, no error is known.
+        known = {} if summary.checked_cells else {"estimated_error": None}
+        row = {"output": str(wanted.output), **summary.row(), **known}
+        emit([row], form="json")
     partly(summary.failed)
 
 

@@ -265,3 +265,9 @@ def test_two_paths_are_said_to_differ_beyond_the_tolerance_and_not_below_it(rock
     done = rocking(*call, "--json")
     assert done.record["estimated_error"] > 1e-6
     assert "do not rely" not in done.stderr
+
+
+def test_where_no_cell_was_checked_no_error_is_known(rocking, tmp_path):
+    call = ("spectrum", "--eta", "0.9", "--grid", "A=2,Omega=3", "--json")
+    row = rocking(*call, "--verify-cells", "0", "-o", str(tmp_path / "a.h5")).record
+    assert (row["checked_cells"], row["estimated_error"]) == (0, None)
