@@ -229,17 +229,22 @@ def _worse_reversed(
 
 def _severities(
     demands: list[Demand], limit: Limit | None, workers: int | None
-) -> list[tuple[bool, float]]:
+) -> list[tuple[bool, float, float]]:
     """Return how severe demands are, the most severe the largest: whether the body
-    falls, then the demand over its capacity, 0 without one.
+    falls, then the demand over its capacity, 0 without one, then theta/alpha.
     """
-    from ..responses.check import outcome_alone, standings
+    from ..responses.check import standings, verdicts
 
-    if limit is None:
-        return [(outcome_alone(*demand).falls, 0.0) for demand in demands]
+    shares = [0.0] * len(demands)
+    if limit is not None:
+        found = standings(demands, a_max=limit, workers=workers)
+        shares = [
+            1.0 / one.capacity_demand if one.capacity_demand else 0.0 for one in found
+        ]
+    judged = verdicts(demands, a_max=None, workers=workers)
     return [
-        (one.falls, 1.0 / one.capacity_demand if one.capacity_demand else 0.0)
-        for one in standings(demands, a_max=limit, workers=workers)
+        (one.outcome.falls, share, one.theta_ratio or 0.0)
+        for one, share in zip(judged, shares, strict=True)
     ]
 
 

@@ -929,6 +929,14 @@ def test_in_a_range_the_worse_direction_of_unequal_sides_counts(rocking):
         assert done.record["outcome"].startswith("overturned")
         assert "worse of both directions" in done.stderr
 
+    # Where neither direction overturns it, the larger rotation counts.
+    wall = ("check", "wall:0.4x2.2,one_sided=true", "--pulse", "ricker-symmetric")
+    more = ("--a-g", "0.36g", "--f-g", "1.6:1.7", "--json")
+    for search in (("--verdict-only",), ("--a-max", "0.37g")):
+        row = rocking(*wall, *more, *search).record
+        assert row["motion"] == "symmetric Ricker, times -1"
+        assert row["outcome"] == "rocked"
+
 
 def test_a_further_hinge_of_an_arch_is_named(rocking):
     call = (
