@@ -210,6 +210,7 @@ def _worse_reversed(
     whose sides differ and for which this direction is worse than that of its row.
     """
     from ..dynamics.method import has_direction
+    from ..responses.opposite import opposite_is_worse
 
     sided = [row for row in rows if has_direction(row[0])]
     if not sided:
@@ -221,30 +222,11 @@ def _worse_reversed(
     low = demands.shakes[0][1]
     found = _worst(bodies, opposite, low, demands.up_to, limit, workers)
     others = [(s, opposite, one.grid) for s, one in zip(bodies, found, strict=True)]
-    judged = _severities([*sided, *others], limit, workers)
-    here, there = judged[: len(sided)], judged[len(sided) :]
-    pairs = zip(others, found, here, there, strict=True)
-    return [(row, one) for row, one, this, other in pairs if other > this]
-
-
-def _severities(
-    demands: list[Demand], limit: Limit | None, workers: int | None
-) -> list[tuple[bool, float, float]]:
-    """Return how severe demands are, the most severe the largest: whether the body
-    falls, then the demand over its capacity, 0 without one, then theta/alpha.
-    """
-    from ..responses.check import standings, verdicts
-
-    shares = [0.0] * len(demands)
-    if limit is not None:
-        found = standings(demands, a_max=limit, workers=workers)
-        shares = [
-            1.0 / one.capacity_demand if one.capacity_demand else 0.0 for one in found
-        ]
-    judged = verdicts(demands, a_max=None, workers=workers)
+    worse = opposite_is_worse(sided, others, limit, workers)
     return [
-        (one.outcome.falls, share, one.theta_ratio or 0.0)
-        for one, share in zip(judged, shares, strict=True)
+        (row, one)
+        for row, one, is_worse in zip(others, found, worse, strict=True)
+        if is_worse
     ]
 
 
@@ -268,16 +250,11 @@ def opposite_outcomes(demands: Demands) -> list[tuple[str, Outcome]]:
     """Return the outcome of each body whose sides differ in the opposite direction,
     where the rows do not hold it.
     """
-    from ..dynamics.method import has_direction
-    from ..responses.check import outcome_alone
+    from ..responses import opposite
 
     if demands.ranged or demands.asked.azimuth is not None or demands.sign == "both":
         return []
-    return [
-        (s.name, outcome_alone(s, motion.scaled(-1.0), grid))
-        for s, motion, grid in demands.rows
-        if has_direction(s)
-    ]
+    return opposite.opposite_outcomes(demands.rows)
 
 
 def _note_long(demands: Demands, limit: Limit | None) -> None:

@@ -53,7 +53,7 @@ class _Distance(NamedTuple):
 
 
 class _BoundsSoFar(NamedTuple):
-    """What is known of all bodies of a stretch so far. Every array is (stretches,)."""
+    """Bounds of all bodies of a stretch up to now. Every array is (stretches,)."""
 
     highest: Array  # bound of y
     fastest: Array  # bound of |y'| in the last few steps
@@ -175,7 +175,7 @@ class AmplitudeStretches:
         phase: Array,
         step: Array,
     ) -> "_BoundsSoFar":
-        """What is known of all bodies of each stretch after a step from this phase."""
+        """Return the bounds of all bodies of each stretch after a step."""
         force = 1.0 / self.equation.sin + self.largest / self.equation.cos  # >= |y''|
         h = step / self.omega
         # Within the step y, y' and the drive may be a little larger than at its end.

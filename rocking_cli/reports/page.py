@@ -20,7 +20,6 @@ from typing import TYPE_CHECKING, Any
 from .. import __version__
 from ..documents.document import Document
 from ..documents.quantities import DEFAULT_GRAVITY
-from ..dynamics.method import has_direction
 from ..dynamics.outcome import Outcome
 from ..motions.given import AnyMotion, demands_of, motions_of
 from ..motions.grid import Grid, demand_in_words
@@ -29,7 +28,8 @@ from ..motions.records import Record
 from ..plugins import require
 from ..processes import available_cpus, processes
 from ..publishing import check_target, published
-from ..responses.check import Demand, Progress, outcome_alone, verdicts
+from ..responses.check import Demand, Progress, verdicts
+from ..responses.opposite import opposite_outcomes
 from ..responses.verdict import Verdict, tally
 from ..structures import (
     build_structure,
@@ -376,17 +376,6 @@ def write_page(
     with published(Path(target), overwrite) as file:
         file.write(text.encode())
     return found
-
-
-def opposite_outcomes(demands: Sequence[Demand]) -> list[tuple[str, Outcome]]:
-    """Return the outcome in the opposite direction of each structure that has a
-    direction.
-    """
-    return [
-        (structure.name, outcome_alone(structure, motion.scaled(-1.0), grid))
-        for structure, motion, grid in demands
-        if has_direction(structure)
-    ]
 
 
 def _hashes(
