@@ -32,11 +32,16 @@ def test_the_tests_run_on_three_systems_with_the_lowest_and_the_newest_python(
     pytestconfig, project
 ):
     file = pytestconfig.rootpath / ".github" / "workflows" / "test.yml"
-    matrix = yaml.safe_load(file.read_text())["jobs"]["test"]["strategy"]["matrix"]
+    job = yaml.safe_load(file.read_text())["jobs"]["test"]
+    matrix = job["strategy"]["matrix"]
     systems = {name.partition("-")[0] for name in matrix["os"]}
     assert systems == {"ubuntu", "macos", "windows"}
     lowest = re.fullmatch(r">=(3\.\d+)", project["requires-python"])[1]
     assert matrix["python"] == [lowest, "3.x"]
+    used = [step["uses"] for step in job["steps"] if "uses" in step]
+    assert used
+    for action in used:  # its owner can move a tag, but not a commit
+        assert re.fullmatch(r"[\w/-]+@[0-9a-f]{40}", action)
 
 
 def test_the_package_says_what_it_is_for(project):
