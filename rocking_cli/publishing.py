@@ -7,6 +7,7 @@ place when it is complete.
 
 import os
 import stat
+import sys
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -79,12 +80,14 @@ def check_target(path: Path, overwrite: bool, suffixes: tuple[str, ...] = ()) ->
                 f" {kind}{' that leads nowhere' if os.path.islink(path) else ''};"
                 " expected the name of a file"
             )
-        kind_of(_partial(target))  # a name that is too long is refused now
-        if not os.access(target.parent, os.W_OK | os.X_OK):
-            raise UsageError(
-                f"{path}: cannot be written: nothing may be written in the folder"
-                f" {target.parent}"
-            )
+        # Windows says what a folder allows only when a file is made in it. A name that
+        # is too long is refused here too.
+        trial = _partial(target)
+        open(trial, "xb").close()
+        trial.unlink()
+        if sys.platform == "win32" and target.exists():
+            # there a file that is read-only, or open elsewhere, cannot be replaced
+            open(target, "r+b").close()
     except OSError as error:
         raise UsageError(f"{path}: cannot be written: {error.strerror}") from None
     if os.path.lexists(target) and not overwrite:

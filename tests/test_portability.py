@@ -8,12 +8,14 @@ import sys
 WITHOUT = """
 import os, pkgutil, signal, sys
 from importlib import import_module
+from types import SimpleNamespace
 
 import click, distributed, h5py, jinja2, matplotlib.figure, numpy, yaml
 import scipy.integrate, scipy.linalg, scipy.optimize, scipy.special
 
 for module in ("fcntl", "resource", "pwd", "grp", "termios"):
     sys.modules[module] = None
+sys.modules["msvcrt"] = SimpleNamespace(LK_NBLCK=2, locking=lambda *_: None)
 for module, names in (
     (os, "pread pwrite preadv pwritev fork register_at_fork mkfifo getppid getuid "
      "sched_getaffinity posix_fallocate set_blocking chown "

@@ -8,11 +8,12 @@ import subprocess
 import sys
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
+from typing import IO
 from unittest.mock import Mock
 
 import pytest
 
-from rocking_cli import OutputError, UsageError
+from rocking_cli import OutputError, UsageError, publishing
 from rocking_cli.publishing import check_target, published
 
 
@@ -152,7 +153,7 @@ def test_standard_streams_are_no_file(tmp_path, stream, words):
     assert (tmp_path / "out").read_bytes() == b""
 
 
-def test_what_cannot_be_written_is_refused_before_the_work(tmp_path, monkeypatch):
+def test_what_cannot_be_written_is_refused_before_the_work(tmp_path):
     (tmp_path / "folder.svg").mkdir()
     os.mkfifo(tmp_path / "pipe.svg")
     (tmp_path / "lost.svg").symlink_to("nowhere")
@@ -170,9 +171,29 @@ def test_what_cannot_be_written_is_refused_before_the_work(tmp_path, monkeypatch
             check_target(tmp_path / name, False, (".png", ".svg"))
     with pytest.raises(UsageError, match="is a device; expected"):
         check_target(Path("/dev/full"), overwrite=True)
-    monkeypatch.setattr(os, "access", lambda *_: False)
-    with pytest.raises(
-        UsageError,
-        match=r"x\.svg: cannot be written: nothing may be written in the folder",
-    ):
+
+
+def test_what_the_system_forbids_is_found_by_trying_it(tmp_path, monkeypatch):
+    """Windows calls every folder writable, and does not replace a file in use; the
+    administrator may write everywhere, so the test refuses in the system's place.
+    """
+    taken = tmp_path / "taken.svg"
+    taken.write_text("theirs")
+
+    def refusing(refused: str) -> None:
+        def one(path: Path, mode: str) -> IO[bytes]:
+            if mode == refused:
+                raise PermissionError(errno.EACCES, "Permission denied")
+            return open(path, mode)
+
+        monkeypatch.setattr(publishing, "open", one, raising=False)
+
+    refusing("r+b")
+    check_target(taken, overwrite=True)
+    monkeypatch.setattr(sys, "platform", "win32")
+    with pytest.raises(UsageError, match=r"taken\.svg: cannot be written: Permission"):
+        check_target(taken, overwrite=True)
+    refusing("xb")
+    with pytest.raises(UsageError, match=r"x\.svg: cannot be written: Permission"):
         check_target(tmp_path / "x.svg", overwrite=False)
+    assert names(tmp_path) == ["taken.svg"]

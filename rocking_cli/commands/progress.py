@@ -150,7 +150,7 @@ class ProgressLine:
             streams.renew(_with_bar(share, self.in_words()))
             return
         seconds, self._ended = monotonic() - self._start, True
-        streams.end_line(
+        streams.say(
             _with_bar(
                 share, f"{self.label}: {self._total} {self._unit} in {seconds:.0f} s"
             )

@@ -6,6 +6,7 @@ import os
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager, redirect_stderr, redirect_stdout, suppress
+from io import TextIOWrapper
 from textwrap import wrap
 from threading import RLock
 from typing import TextIO, cast
@@ -28,7 +29,7 @@ def printable(text: str) -> str:
 
 lock = RLock()  # of the writers: the program, and the thread that shows its progress
 silent = False  # True in a call with --quiet: no progress
-_renewed = False  # True while a line stands on the terminal that `renew` will replace
+_standing = 0  # characters of the line on the terminal that `renew` will replace
 # A worker process must not inherit a lock that the thread of the progress holds.
 if hasattr(os, "register_at_fork"):
     os.register_at_fork(
@@ -38,31 +39,23 @@ if hasattr(os, "register_at_fork"):
 
 def renew(line: str) -> None:
     """Write a line over the one that the terminal renews on standard error."""
-    global _renewed
+    global _standing
     with lock:
-        _renewed = True
-        text = printable(line)[: columns_of(sys.stderr) - 1]  # a second line would stay
-        sys.stderr.write(f"\r\x1b[K{text}")
+        room = columns_of(sys.stderr) - 1  # a second line would stay
+        text = printable(line)[:room]
+        # blanks clear the line: not every terminal knows a sequence that does
+        sys.stderr.write(f"\r{text.ljust(_standing)[:room]}")
         sys.stderr.flush()
-
-
-def end_line(line: str) -> None:
-    """Write the last text of the line that the terminal renews, which stays."""
-    global _renewed
-    with lock:
-        renew(line)
-        _renewed = False
-        sys.stderr.write("\n")
-        sys.stderr.flush()
+        _standing = len(text)
 
 
 def erase() -> None:
     """Remove the line that the terminal renews, so that another one can stand there."""
-    global _renewed
+    global _standing
     with lock:
-        if _renewed:
-            _renewed = False
-            sys.stderr.write("\r\x1b[K")
+        if _standing:
+            renew("")
+            sys.stderr.write("\r")
             sys.stderr.flush()
 
 
@@ -106,7 +99,8 @@ def columns_of(terminal: TextIO) -> int:
 def guarded() -> Iterator[None]:
     """Context of a call: a closed pipe on standard output ends it without an error; any
     other failure of the output is reported once. A closed or full standard error has no
-    effect.
+    effect. What no terminal shows is UTF-8, whatever the locale, unless the environment
+    names another encoding.
     """
     descriptor = 0
     # else the next opened file gets the number of a closed stream, and a C library
@@ -114,6 +108,13 @@ def guarded() -> Iterator[None]:
     while descriptor <= 2:
         descriptor = os.open(os.devnull, os.O_RDWR)
     os.close(descriptor)
+    for stream in (sys.stdout, sys.stderr):
+        if (
+            isinstance(stream, TextIOWrapper)
+            and not stream.isatty()
+            and "PYTHONIOENCODING" not in os.environ
+        ):
+            stream.reconfigure(encoding="utf-8")
     with (
         redirect_stdout(cast(TextIO, _Output(sys.stdout))),
         redirect_stderr(cast(TextIO, _Stream(sys.stderr))),

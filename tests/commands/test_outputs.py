@@ -1,13 +1,14 @@
 """Outputs that cannot be written: every command says so before it computes anything."""
 
-import os
+import errno
 import subprocess
 import sys
 from importlib import import_module
+from unittest.mock import Mock
 
 import pytest
 
-from rocking_cli import parse_grid, read_documents, report, sine
+from rocking_cli import parse_grid, publishing, read_documents, report, sine
 from rocking_cli.errors import UsageError
 from rocking_cli.reports.figures.drawing import draw_structures
 
@@ -166,8 +167,10 @@ def test_an_output_that_cannot_be_written_is_refused_before_anything_is_computed
     elif fault == "folder":
         name, said = f"none/out{suffix}", "the folder none does not exist"
     else:
-        monkeypatch.setattr(os, "access", lambda *_: False)  # root may write everywhere
-        said = "nothing may be written in the folder"
+        said = "Permission denied"
+        refused = Mock(side_effect=PermissionError(errno.EACCES, said))
+        # root may write everywhere
+        monkeypatch.setattr(publishing, "open", refused, raising=False)
     done = rocking(*call.split(), name)
     assert done.returncode == 2
     assert said in done.stderr

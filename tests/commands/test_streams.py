@@ -52,9 +52,22 @@ def test_only_visible_characters_reach_a_terminal(text, shown, capsys):
 def test_what_the_encoding_lacks_is_escaped(encoding, shown, monkeypatch):
     raw = io.BytesIO()
     monkeypatch.setattr(sys, "stdout", io.TextIOWrapper(raw, encoding=encoding))
+    monkeypatch.setenv("PYTHONIOENCODING", encoding)
     with streams.guarded():
         streams.put("äβ")
     assert raw.getvalue().decode(encoding) == f"{shown}\n"
+
+
+def test_output_that_no_terminal_shows_is_utf_8_with_the_line_ends_of_the_system(
+    monkeypatch,
+):
+    raw = io.BytesIO()
+    western = io.TextIOWrapper(raw, encoding="cp1252", newline="\r\n")  # of Windows
+    monkeypatch.setattr(sys, "stdout", western)
+    monkeypatch.delenv("PYTHONIOENCODING", raising=False)
+    with streams.guarded():
+        streams.put("äβ", "b")
+    assert raw.getvalue().decode() == "äβ\r\nb\r\n"
 
 
 def test_json_is_json_in_ascii(tmp_path):

@@ -1,22 +1,25 @@
 """The partial file of a sweep: its name, its lock, and the outputs that are refused.
 
 A process locks its partial file; another process then finds it in use and changes
-nothing. On a system without locks, two sweeps of one output are only detected at their
-end.
+nothing. On a file system without locks, two sweeps of one output are only detected at
+their end.
 """
 
 import io
 import os
 import time
 from contextlib import suppress
+from importlib import import_module
 from pathlib import Path
-from typing import BinaryIO
+from typing import Any, BinaryIO
 
 from ...errors import OutputError, UsageError
 from ...publishing import check_target, followed, kind_of
 
 # s: a process that only tests for use of a partial file locks it for an instant
 _PATIENCE = 0.3
+# far behind the end of a file: on Windows nobody else can read the byte that is locked
+_LOCKED_BYTE = 1 << 43
 _OF_OTHERS = {
     ".csv",
     ".json",
@@ -100,23 +103,33 @@ def _require_whole(path: Path) -> None:
 
 def _locked(file: BinaryIO) -> bool:
     """Lock an open file for this process. Returns False if another process has locked
-    it, True also on a system without locks.
+    it, True also on a file system without locks.
     """
-    try:
-        import fcntl
-    except ImportError:
-        return True
     end = time.monotonic() + _PATIENCE
     while True:
         try:
-            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            _lock(file)
             return True
-        except BlockingIOError:
+        except (BlockingIOError, PermissionError):
             if time.monotonic() > end:
                 return False
             time.sleep(0.02)
         except OSError:  # a file system without locks
             return True
+
+
+def _lock(file: BinaryIO) -> None:
+    """Lock an open file. Raises BlockingIOError or PermissionError if another process
+    has locked it, OSError.
+    """
+    try:
+        import fcntl
+    except ImportError:
+        msvcrt: Any = import_module("msvcrt")
+        file.seek(_LOCKED_BYTE)
+        msvcrt.locking(file.fileno(), msvcrt.LK_NBLCK, 1)
+    else:
+        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
 
 
 def open_locked(path: Path) -> tuple[BinaryIO, bool]:

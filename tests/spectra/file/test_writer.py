@@ -8,6 +8,7 @@ import os
 import shutil
 import subprocess
 import sys
+from types import SimpleNamespace
 
 import h5py
 import numpy as np
@@ -429,10 +430,32 @@ def test_a_part_that_another_state_of_the_program_or_another_machine_began_is_to
         assert file.attributes["machine_differences"] == summary.machine_differences
 
 
-def test_a_part_in_use_is_left_alone(output, whole):
+def as_on_windows(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Lock files as Windows does, which has no fcntl and lets nobody else read the
+    bytes that are locked.
+    """
+    flock = fcntl.flock
+
+    def locking(descriptor: int, mode: int, count: int) -> None:
+        assert (mode, count) == (2, 1)
+        assert os.lseek(descriptor, 0, os.SEEK_CUR) > 1 << 40
+        try:
+            flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            raise PermissionError(errno.EACCES, "Permission denied") from None
+
+    system = SimpleNamespace(LK_NBLCK=2, locking=locking)
+    monkeypatch.setitem(sys.modules, "msvcrt", system)
+    monkeypatch.setitem(sys.modules, "fcntl", None)
+
+
+@pytest.mark.parametrize("system", ["posix", "windows"])
+def test_a_part_in_use_is_left_alone(output, whole, monkeypatch, system):
     """Two sweeps of one output at once: the second one, whatever it is told, touches
     nothing.
     """
+    if system == "windows":
+        as_on_windows(monkeypatch)
 
     def meanwhile(done, total):
         if done == 2:
