@@ -1,4 +1,5 @@
-"""Ctrl-C and SIGTERM: one way to stop, which is never lost.
+"""Ctrl-C, SIGTERM, a terminal that closes and Ctrl-Break: one way to stop, which is
+never lost.
 
 Python raises KeyboardInterrupt at any point of the program. Inside a callback of a C
 library or a finalizer it prints the exception and goes on. So this module remembers the
@@ -17,16 +18,25 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from sys import UnraisableHookArgs
 
+# SIGHUP: a terminal closes; SIGBREAK, on Windows: Ctrl-Break, or a console closes
+STOPS = tuple(
+    signal.Signals[name]
+    for name in ("SIGINT", "SIGTERM", "SIGHUP", "SIGBREAK")
+    if name in signal.Signals.__members__
+)
+
 _asked = False
 _deferred = False
 
 
 def listen() -> None:
-    """Make SIGINT and SIGTERM a KeyboardInterrupt that `check` raises again; call it
-    from the main thread.
+    """Make every signal of `STOPS` a KeyboardInterrupt that `check` raises again; call
+    it from the main thread.
     """
-    signal.signal(signal.SIGINT, _stop)
-    signal.signal(signal.SIGTERM, _stop)
+    for number in STOPS:
+        # nohup, which has the program outlive its terminal, ignores SIGHUP
+        if number.name != "SIGHUP" or signal.getsignal(number) != signal.SIG_IGN:
+            signal.signal(number, _stop)
     sys.unraisablehook = _forgotten
 
 

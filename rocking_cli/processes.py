@@ -13,12 +13,12 @@ from itertools import islice
 from typing import Any
 
 from .errors import OutputError, UsageError
+from .interruption import STOPS
 
 # Forked workers have the task and the imported packages from the start; only items and
 # results travel.
 _METHOD = "fork" if sys.platform == "linux" else "spawn"
 _AHEAD = 3  # items under way for each process
-_STOPS = (signal.SIGINT, signal.SIGTERM)
 _PARENT_DEATH_SIGNAL = 1  # PR_SET_PDEATHSIG of prctl(2)
 
 Run = Callable[[Iterable[Any]], Iterator[Any]]
@@ -120,11 +120,13 @@ def processes(
     reported = None if parts is None else context.Value("d", 0.0)
 
     def wait(future: "Future[Any]") -> Any:
-        while parts is not None and reported is not None and not future.done():
+        # On Windows no signal ends a wait that has no end of its own.
+        while not future.done():
             with suppress(TimeoutError):
                 future.exception(timeout=_POLL)
-            # The value is read without its lock: a process may have died with it.
-            parts(reported.get_obj().value)
+            if parts is not None and reported is not None:
+                # The value is read without its lock: a process may have died with it.
+                parts(reported.get_obj().value)
         return future.result()
 
     try:
@@ -161,8 +163,11 @@ def processes(
                 -signal.SIGTERM,
             )
             how = f"by signal {-code}" if code < 0 else f"with exit code {code}"
+            cause = "out of memory?"
+            if _METHOD == "spawn":
+                cause += " a script without `if __name__ == '__main__':`?"
             raise OutputError(
-                f"a worker process died {how} (out of memory?); {advice}"
+                f"a worker process died {how} ({cause}); {advice}"
             ) from None
     finally:
         # a pool that is shut down waits for ever if a process dies just then
@@ -174,13 +179,13 @@ def processes(
 
 @contextmanager
 def _stops_held() -> Iterator[None]:
-    """SIGINT and SIGTERM wait: a process just forked has its parent's handlers, which
-    would unwind the parent's stack in it.
+    """The signals that stop wait: a process just forked has its parent's handlers,
+    which would unwind the parent's stack in it.
     """
     if _METHOD != "fork":
         yield
         return
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, _STOPS)
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, STOPS)
     try:
         yield
     finally:
@@ -191,11 +196,12 @@ def _begin(task: Callable[[Any], Any], parent: int, parts: Any) -> None:
     """Called first in a worker process."""
     global _task, _parts
     _task, _parts = task, parts
-    # Ctrl-C reaches the whole group; the parent alone decides
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    signal.signal(signal.SIGTERM, signal.SIG_DFL)
+    # Ctrl-C reaches the whole group; the parent alone decides, and ends it by SIGTERM
+    for number in STOPS:
+        ignored = number != signal.SIGTERM
+        signal.signal(number, signal.SIG_IGN if ignored else signal.SIG_DFL)
     if sys.platform == "linux":
-        signal.pthread_sigmask(signal.SIG_UNBLOCK, _STOPS)
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, STOPS)
         ctypes.CDLL(None).prctl(_PARENT_DEATH_SIGNAL, signal.SIGKILL)
         if os.getppid() != parent:  # it died before it could be asked for its signal
             os._exit(1)

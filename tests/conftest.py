@@ -19,6 +19,7 @@ from support.documents import csv_rows
 
 from rocking_cli import dimensionless_oscillator, parse_grid, sine, write_spectrum
 from rocking_cli.commands import main, progress
+from rocking_cli.interruption import STOPS
 
 settings.register_profile(
     "the same everywhere", derandomize=True, database=None, deadline=None
@@ -78,10 +79,7 @@ def rocking(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Run:
     (tmp_path / "configs").symlink_to(ROOT / "configs")
 
     def run(*arguments: str, stdin: str | None = None) -> Done:
-        handlers = {
-            number: signal.getsignal(number)
-            for number in (signal.SIGINT, signal.SIGTERM)
-        }
+        handlers = {number: signal.getsignal(number) for number in STOPS}
         with monkeypatch.context() as patch:
             patch.chdir(tmp_path)
             patch.setattr(

@@ -5,6 +5,7 @@ cannot answer.
 import os
 import resource
 import signal
+import subprocess
 import sys
 import time
 from collections.abc import Iterator
@@ -109,6 +110,22 @@ def test_the_first_items_are_under_way_before_a_result_is_asked_for(tmp_path):
             assert time.monotonic() < end
             time.sleep(0.01)
         assert list(results) == [None, None, None]
+
+
+def test_a_script_without_a_guard_is_told_where_processes_begin_anew(tmp_path):
+    script = tmp_path / "script.py"
+    script.write_text(
+        "from rocking_cli import processes as room\n"
+        "room._METHOD = 'spawn'  # as on Windows and macOS\n"
+        "with room.processes(2, abs, 'fewer') as run:\n"
+        "    list(run([1]))\n"
+    )
+    call = [sys.executable, str(script)]
+    done = subprocess.run(call, capture_output=True, text=True, check=False)
+    assert done.stderr.endswith(
+        "a worker process died with exit code 1 (out of memory? a script without"
+        " `if __name__ == '__main__':`?); fewer\n"
+    )
 
 
 @pytest.mark.parametrize(

@@ -15,6 +15,7 @@ from support.watched_processes import PATIENCE, PROGRAM, grows
 
 from rocking_cli import LinearEquation, Outcome, SpectraFile, System, history, sine
 from rocking_cli.dynamics import batch
+from rocking_cli.interruption import STOPS
 from rocking_cli.responses import history as histories
 
 SMALL = "A=0.5:9:40,Omega=0.5:12:30"
@@ -179,14 +180,11 @@ def test_an_input_is_never_the_output(refused, tmp_path):
 @pytest.mark.parametrize(
     ("workers", "stop"),
     [
-        ("2", signal.SIGINT),
-        *(
-            pytest.param(workers, signal.SIGTERM, marks=pytest.mark.soak)
-            for workers in "12"
-        ),
+        *(("2", stop) for stop in STOPS),
+        pytest.param("1", signal.SIGTERM, marks=pytest.mark.soak),
     ],
 )
-def test_ctrl_c_and_sigterm_keep_what_was_done(tmp_path, workers, stop):
+def test_every_signal_that_stops_keeps_what_was_done(tmp_path, workers, stop):
     call = [
         *PROGRAM,
         "spectrum",
@@ -209,10 +207,10 @@ def test_ctrl_c_and_sigterm_keep_what_was_done(tmp_path, workers, stop):
     )
     part = tmp_path / "s.h5.part"
     assert grows(part, 200_000, process)
-    if stop == signal.SIGINT:
-        os.killpg(process.pid, stop)  # a terminal tells the whole group
-    else:
+    if stop == signal.SIGTERM:
         process.send_signal(stop)
+    else:
+        os.killpg(process.pid, stop)  # a terminal tells the whole group
     _, said = process.communicate(timeout=PATIENCE)
     assert process.returncode == 130
     assert said.startswith("rocking: interrupted; ")
