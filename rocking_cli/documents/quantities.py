@@ -56,7 +56,10 @@ UNITS: dict[str, dict[str, float]] = {
 FACTORS = {unit: factor for units in UNITS.values() for unit, factor in units.items()}
 
 _NUMBER = r"[+-]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"
-_DECIMAL_COMMA = re.compile(r"(?<![\d,.])([+-]?\d*),(\d+)(?![\d,.])([^,:x]{0,20})")
+# a number with commas, and the unit behind it
+_WITH_COMMAS = re.compile(r"(?<![\d,.])([+-]?[\d.]*,[\d.,]*)(?<=\d)([^,:x]{0,20})")
+_THOUSANDS = re.compile(r"[+-]?[1-9]\d{0,2}(?:,\d{3})+(?:\.\d+)?")
+_DECIMAL_COMMA = re.compile(r"([+-]?(?:[1-9]\d{0,2}(?:\.\d{3})+|\d*)),(\d+)")
 _QUANTITY = re.compile(rf"\s*({_NUMBER})\s*(.*?)\s*\Z", re.DOTALL)
 
 
@@ -97,14 +100,25 @@ def parse_quantity(text: str, dimension: str) -> float:
 
 
 def with_a_point(text: str) -> str:
-    """Return a hint for a text that holds a number with a decimal comma, an empty text
-    for others.
+    """Return a hint for a text that holds a number whose commas are decimal or part
+    thousands, an empty text for others.
     """
-    match = _DECIMAL_COMMA.search(text)
+    match = _WITH_COMMAS.search(text)
+    if match is None:
+        return ""
+    number, unit = match.groups()
+    decimal = _DECIMAL_COMMA.fullmatch(number)
+    pointed = ""
+    if decimal:
+        whole = decimal[1].replace(".", "") or "0"
+        pointed = f"{whole}.{decimal[2]}{unit} with a decimal point"
+    if not _THOUSANDS.fullmatch(number):
+        return f"; write {pointed}" if pointed else ""
+    plain = f"{number.replace(',', '')}{unit}"
     return (
-        ""
-        if match is None
-        else f"; write {match[1] or 0}.{match[2]}{match[3]} with a decimal point"
+        f"; does the comma stand for thousands? write {plain}, or {pointed}"
+        if pointed
+        else f"; write {plain} without commas"
     )
 
 

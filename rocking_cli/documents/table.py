@@ -52,8 +52,9 @@ _BARE = ("", "-", "1")  # no unit
 # a column for an item of a list, such as pieces_1_width
 ITEM = re.compile(r"([a-z_]+)_(\d{1,4})_([a-z_]+)")
 
+# a number with a decimal comma, and the unit or the spread behind it
 _DECIMAL_COMMA = re.compile(r"[+-]?\d*,\d+(?:[eE][+-]?\d+)?(?:\s*[^\s\d,.].*)?")
-_DECIMAL_POINT = re.compile(r"[+-]?\d*\.\d+(?:[eE][+-]?\d+)?(?:\s*[^\s\d,.].*)?")
+_DECIMAL_POINT = re.compile(r"[+-]?\d*\.\d+(?:[eE][+-]?\d+)?\s*([^\s\d,.].*)?")
 # 1.234 and 1,234 may also be a thousand and some
 _GROUPED = re.compile(r"[+-]?[1-9]\d{0,2}[.,]\d{3}(?!\d).*")
 
@@ -103,7 +104,7 @@ class Table:
             one.isdigit() and other.isdigit() for one, other in pairwise(cells)
         )
         hint = (
-            " (with decimal commas, the columns need another separator: ; or a tab)"
+            " (with commas in numbers, the columns need another separator: ; or a tab)"
             if decimal
             else ""
         )
@@ -213,8 +214,8 @@ def _split(
 
 def _with_points(table: Table) -> Table:
     """Return a table, whose commas separate no columns, with decimal points for decimal
-    commas. Raises DocumentError for a number such as 1,234 that may be a thousand and
-    some: beside decimal points, or with a point in a column of decimal commas.
+    commas. Raises DocumentError for a number that may be a thousand and some: 1.234
+    beside decimal commas, or 1,234 beside points if every comma stands so.
     """
     cells = [(line, i, cell) for line, row in table.rows for i, cell in enumerate(row)]
     commas = [
@@ -228,18 +229,18 @@ def _with_points(table: Table) -> Table:
     points = [
         (line, i, cell)
         for line, i, cell in cells
-        if "." in cell and _DECIMAL_POINT.fullmatch(cell)
+        if "." in cell
+        and (number := _DECIMAL_POINT.fullmatch(cell))
+        and (number[1] is None or number[1] in FACTORS)  # 2.1 may also begin a name
     ]
-    doubtful = [
-        one for one in points if one[1] in columns and _GROUPED.fullmatch(one[2])
-    ]
+    doubtful = [one for one in points if _GROUPED.fullmatch(one[2])]
     if points and all(_GROUPED.fullmatch(cell) for *_, cell in commas):
         doubtful += commas
     for line, i, cell in doubtful[:1]:
-        found = f"{cell} in a table with decimal points and decimal commas"
+        other = (commas if "." in cell else points)[0][2]
         raise DocumentError(
-            f"{table.place(line, i)}: found {found}; expected one of the two in all"
-            " rows"
+            f"{table.place(line, i)}: found {cell} beside {other}, so that {cell} may"
+            " be a thousand and some; expected one decimal mark in all rows"
         )
 
     def pointed(i: int, cell: str) -> str:

@@ -3,7 +3,11 @@
 import pytest
 from support.refusals import refuses
 
-from rocking_cli.documents.quantities import parse_quantity, parse_whole
+from rocking_cli.documents.quantities import (
+    parse_quantity,
+    parse_whole,
+    with_a_point,
+)
 
 
 @pytest.mark.parametrize(
@@ -40,3 +44,26 @@ test_digits_are_those_of_ascii = refuses(
     ValueError,
     [(text, "a length: a bare number in m") for text in OTHER_DIGITS],
 )
+
+
+MARKS = {
+    "0,45 m": "; write 0.45 m with a decimal point",
+    ",5": "; write 0.5 with a decimal point",
+    "1,95 m": "; write 1.95 m with a decimal point",
+    "1.234,5 mm": "; write 1234.5 mm with a decimal point",
+    "1,950 mm": (
+        "; does the comma stand for thousands? write 1950 mm, or 1.950 mm with a"
+        " decimal point"
+    ),
+    "-1,234.5 mm": "; write -1234.5 mm without commas",
+    "1,234,567": "; write 1234567 without commas",
+    "0,5x2": "; write 0.5 with a decimal point",
+    "1,2,3": "",
+    "1.5": "",
+    ",": "",
+}
+
+
+@pytest.mark.parametrize(("text", "hint"), MARKS.items())
+def test_a_comma_may_be_decimal_or_stand_for_thousands(text, hint):
+    assert with_a_point(text) == hint

@@ -238,11 +238,22 @@ def test_one_table_in_many_forms(text):
 DOUBTFUL = [
     (
         "kind;width;height\nblock;1,234;0.5",
-        "f.csv:2:2: found 1,234 in a table with decimal points and decimal commas",
+        "f.csv:2:2: found 1,234 beside 0.5, so that 1,234 may be a thousand and some",
     ),
     (
         "kind;width;height\nblock;0,5;2\nblock;1.234;4",
-        "f.csv:3:2: found 1.234 in a table with decimal points and decimal commas",
+        "f.csv:3:2: found 1.234 beside 0,5, so that 1.234 may be a thousand and some",
+    ),
+    (  # a width of 1.15 m or of 1.15 mm, in a column without commas
+        "kind;width [mm];friction\nblock;1.150;0,6",
+        "f.csv:2:2: found 1.150 beside 0,6, so that 1.150 may be a thousand and some",
+    ),
+    (
+        'kind,width [mm],height\nblock,"1,950",2',
+        (
+            "f.csv:2:2: width: found 1,950; expected a length: .*; does the comma stand"
+            " for thousands. write 1950, or 1.950 with a decimal point"
+        ),
     ),
     (
         'kind,width,height\nblock,"0,45",2',
@@ -254,7 +265,7 @@ DOUBTFUL = [
     (
         "kind,width,height\nblock,0,45,2",
         (
-            "f.csv:2:4: found 4 cells; expected 3 .with decimal commas, the columns"
+            "f.csv:2:4: found 4 cells; expected 3 .with commas in numbers, the columns"
             " need another"
         ),
     ),
