@@ -20,7 +20,7 @@ from itertools import pairwise
 from pathlib import Path
 from typing import NamedTuple
 
-from ..errors import DocumentError
+from ..errors import DocumentError, did_you_mean
 from .composition import LONGEST, Place
 from .files import read_bytes
 from .quantities import FACTORS, split_quantity
@@ -41,7 +41,10 @@ _SEP = re.compile(r"\s*\"?sep=(.)\"?[;,\t]*[ ]*(?:\r\n|\r|\n)", re.IGNORECASE)
 _COMMENT = re.compile(r"[ \t]*(?:\"?#[^\r\n]*)?(?:\r\n|\r|\n)")
 _LINE = re.compile(r"[^\r\n]{0,10000}")
 _TWO_LINES = re.compile(r"([^\r\n]*)(?:\r\n|\r|\n)?([^\r\n]*)")
+_LINE_END = re.compile(r"\r\n|\r|\n")
 _LONGEST_HEADING = 100_000  # characters
+_LONGEST_TITLE = 10_000  # characters
+_KEY = re.compile(r"[a-z_]+:")  # that of a YAML document
 # what YAML begins with, and a row of numbers
 _NO_HEADING = re.compile(r":(?:\s|$)|^\s*[-#\[{&%'|>]|^\s*-?[\d.]")
 # no separator inside quotes or brackets separates columns
@@ -127,12 +130,7 @@ def table_of(text: str, source: str) -> Table:
     for one that is not valid CSV.
     """
     start, separator = _heading_of(text)
-    first = (
-        text.count("\n", 0, start)
-        + text.count("\r", 0, start)
-        - text.count("\r\n", 0, start)
-        + 1
-    )
+    first = 1 + len(_LINE_END.findall(text, 0, start))
     refuse_binary(source, text)
     lines = _split(text[start:], separator, source, first)
     if not lines:
@@ -187,7 +185,7 @@ def _split(
     the text in its file.
     """
     if separator == BLANKS:
-        lines = enumerate(re.split(r"\r\n|\r|\n", text), first)
+        lines = enumerate(_LINE_END.split(text), first)
         return [
             (at, [cell.strip('"') for cell in _IN_BLANKS.findall(line)])
             for at, line in lines
@@ -320,35 +318,54 @@ def named_rows(path: str | Path) -> tuple[list[str], list[tuple[int, dict[str, s
 
 def rows_of_structures(text: str, source: str) -> Iterator[list[Cell]] | None:
     """Return the rows of a table of structures, None for a text that is no table.
-    Raises DocumentError without a column `kind`.
+    Raises DocumentError without a column `kind`, or with lines above the heading.
     """
     start, separator = _heading_of(text)
     lines = _TWO_LINES.match(text, start)
     first, second = lines.groups() if lines else ("", "")
     if len(first) > _LONGEST_HEADING and KIND not in first[:10_000]:
         return None
-    names = [
-        split_heading(name.strip().strip('"'))[0] for name in _fields(first, separator)
-    ]
-    cells = _fields(second, separator)
-    if len(names) < 2 or (separator == BLANKS and len(cells) < 2):
-        return None
-    if KIND in names:
-        return rows_of(text, source)
+    names = _names(first, separator)
+    if len(names) > 1 and KIND in names:
+        cells = _fields(second, separator)
+        return None if separator == BLANKS and len(cells) < 2 else rows_of(text, source)
+    _require_the_heading_first(text, start, source)
     if (
-        separator != BLANKS
+        len(names) > 1
+        and separator != BLANKS
         and all(names)
         and not _NO_HEADING.search(first)
-        and len(cells) == len(names)
+        and len(_fields(second, separator)) == len(names)
     ):
         found = ", ".join(names)
         shown = found if len(found) <= 60 else found[:57] + "..."
-        wanted = "expected a heading such as kind,name,width"
+        hints = (did_you_mean(name, [KIND]) for name in names)
         raise DocumentError(
-            f"{Place(source, 1, 1)}: CSV without a column {KIND!r}; found {shown};"
-            f" {wanted}"
+            f"{Place(source, 1, 1)}: CSV without a column {KIND!r}; found"
+            f" {shown}{next(filter(None, hints), '')}; expected a heading such as"
+            " kind,name,width"
         )
     return None
+
+
+def _require_the_heading_first(text: str, start: int, source: str) -> None:
+    """Raise DocumentError if the heading of a table of structures stands below a title
+    or another line. start: the place where the heading should begin.
+    """
+    if _KEY.match(text, start):
+        return
+    first = 1 + len(_LINE_END.findall(text, 0, start))
+    lines = _LINE_END.split(text[start : start + _LONGEST_TITLE])
+    for at, line in enumerate(lines[1:], first + 1):
+        if KIND not in line.casefold() or _NO_HEADING.search(line):
+            continue
+        _, separator = _heading_of(line)
+        names = [name.casefold() for name in _names(line, separator)]
+        if separator != BLANKS and len(names) > 1 and KIND in names:
+            raise DocumentError(
+                f"{Place(source, first, 1)}: CSV: line {first} is no heading; line"
+                f" {at} looks like one: delete the lines above it, or begin them with #"
+            )
 
 
 def text_of_row(cells: Sequence[Cell]) -> str:
@@ -357,6 +374,12 @@ def text_of_row(cells: Sequence[Cell]) -> str:
         f"{cell.key}: {json.dumps(cell.text) if cell.key == 'name' else cell.text}"
         for cell in cells
     )
+
+
+def _names(line: str, separator: str) -> list[str]:
+    """Return the names of the columns of a heading."""
+    fields = _fields(line, separator)
+    return [split_heading(name.strip().strip('"'))[0] for name in fields]
 
 
 def _fields(line: str, separator: str) -> list[str]:

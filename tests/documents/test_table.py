@@ -177,9 +177,30 @@ def test_a_list_without_kinds_is_answered_as_csv(text, found):
         parse_documents(text, "f.csv")
 
 
+TITLES = [
+    (
+        "Collection of room 7,,,\nname,kind,width [cm],height [cm]\nA,block,42,170\n",
+        "f.csv:1:1: CSV: line 1 is no heading; line 2 looks like one: delete the lines",
+    ),
+    (
+        "# from the museum\nRoom 7: large\n\nKind;width;height\nblock;0,5;2\n",
+        "f.csv:2:1: CSV: line 2 is no heading; line 4 looks like one: delete the lines",
+    ),
+    (
+        "Name,Kind,Width [cm],Height [cm]\nA,block,42,170\n",
+        "f.csv:1:1: CSV without a column 'kind'; found Name, Kind, Width, Height"
+        " (did you mean 'kind'?); expected a heading such as kind,name,width",
+    ),
+]
+test_a_title_and_a_heading_in_capitals_are_answered_as_csv = refuses(
+    lambda text: parse_documents(text, "f.csv"), DocumentError, TITLES, literal=True
+)
+
+
 @pytest.mark.parametrize(
     "text",
     [
+        "kind: block\nname: 'old,\nkind, grey'",
         "kind: arch\nhinges: [1, 2,\n 3, 4]",
         "# a, b\n# c, d\nkind: block",
         "{kind: block,\nwidth: 1, height: 2}",
