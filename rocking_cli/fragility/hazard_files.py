@@ -48,8 +48,8 @@ def read_hazard(
 ) -> HazardCurve:
     """Return the hazard curve of a file.
 
-    A probability p in t years is the rate -ln(1 - p)/t. First levels whose probability
-    is 1, and last levels whose rate is 0, are left out.
+    A probability p in t years is the rate -ln(1 - p)/t. A level of 0, first levels
+    whose probability is 1, and last levels whose rate is 0, are left out.
 
     Parameters
     ----------
@@ -95,7 +95,9 @@ def read_hazard(
         points = _two_columns(table, measure)
     _require_a_hazard(points)
     kept = [
-        (point.level, point.rate) for point in points if 0.0 < point.rate < math.inf
+        (point.level, point.rate)
+        for point in points
+        if point.level > 0.0 and 0.0 < point.rate < math.inf
     ]
     if len(kept) < 2:
         raise DocumentError(
@@ -107,15 +109,15 @@ def read_hazard(
 
 
 def _require_a_hazard(points: Sequence[HazardPoint]) -> None:
-    """Raise DocumentError unless the levels are positive and rise, and the rates do not
+    """Raise DocumentError unless the levels rise, from 0 or above, and the rates do not
     rise.
     """
-    for before, now in pairwise([HazardPoint("", "", 0.0, "", math.inf), *points]):
+    below = math.nextafter(0.0, -1.0)
+    for before, now in pairwise([HazardPoint("", "", below, "", math.inf), *points]):
         if not now.level > before.level:
             found = f"{now.text}{f' after {before.text}' if before.text else ''}"
             raise DocumentError(
-                f"{now.place}: found the level {found}; expected positive, rising"
-                " levels"
+                f"{now.place}: found the level {found}; expected rising levels from 0"
             )
         if now.rate > before.rate:
             found = f"{now.rate_text} above {before.rate_text} of the level before"

@@ -222,6 +222,13 @@ def test_two_columns_hold_rates_or_probabilities(tmp_path, kind):
     assert read_hazard(path, "nPGV").x.tolist() == [1.0, 2.0]
 
 
+def test_a_level_of_0_is_left_out(tmp_path):
+    """OpenQuake writes one if the job asks for it; every motion exceeds it."""
+    path = tmp_path / "h.csv"
+    path.write_text("PGA [g],p_50_years\n0,1\n0.1,0.46\n0.2,0.18\n")
+    assert read_hazard(path).x == pytest.approx([0.1 * G, 0.2 * G])
+
+
 REFUSED = {
     "": "found an empty file; expected a hazard curve",
     "PGA [g],annual_rate\n": (
@@ -233,10 +240,10 @@ REFUSED = {
         " that does not"
     ),
     "PGA [g],annual_rate\n0.2,1e-3\n0.1,1e-4\n": (
-        "line 3: found the level 0.1 g after 0.2 g; expected positive, rising"
+        "line 3: found the level 0.1 g after 0.2 g; expected rising levels"
     ),
-    "PGA [g],annual_rate\n0,1e-3\n0.1,1e-4\n": (
-        "line 2: found the level 0 g; expected positive"
+    "PGA [g],annual_rate\n-0.1,1e-3\n0.1,1e-4\n": (
+        "line 2: found the level -0.1 g; expected rising levels from 0"
     ),
     "PGA [g],annual_rate\n0.1,1e-3\n0.2,nan\n": (
         "line 3: found 'nan'; expected a number"
