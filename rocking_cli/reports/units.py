@@ -10,7 +10,7 @@ from functools import cache
 from typing import Any
 
 from ..arguments import check_fields
-from ..documents.quantities import DEFAULT_GRAVITY, UNITS, headed, si_unit
+from ..documents.quantities import UNITS, headed, si_unit
 from ..errors import UsageError
 
 SI = {dimension: si_unit(dimension) for dimension in UNITS} | {
@@ -147,23 +147,23 @@ _RESTRAINT = {
 }
 
 _CHOICES: dict[str, dict[str, tuple[str, float]]] = {
-    "g": {"acceleration": ("g", DEFAULT_GRAVITY)},
-    "m/s2": {"acceleration": ("m/s2", 1.0)},
-    "cm/s2": {"acceleration": ("cm/s2", 1e-2)},
-    "gal": {"acceleration": ("gal", 1e-2)},
+    unit: {dimension: (unit, UNITS[dimension][unit])}
+    for dimension, units in (
+        ("acceleration", ("g", "m/s2", "cm/s2", "gal", "ft/s2", "in/s2")),
+        ("length", ("mm", "cm", "m", "in", "ft")),
+        ("velocity", ("cm/s", "m/s", "in/s", "ft/s")),
+    )
+    for unit in units
+} | {
     "Hz": {"circular frequency": ("Hz", 2.0 * math.pi)},
     "rad/s": {"circular frequency": ("rad/s", 1.0)},
-    "deg": {
-        "angle": ("deg", math.pi / 180.0),
-        "angular velocity": ("deg/s", math.pi / 180.0),
+    **{
+        unit: {
+            "angle": (unit, UNITS["angle"][unit]),
+            "angular velocity": (f"{unit}/s", UNITS["angle"][unit]),
+        }
+        for unit in ("deg", "mrad", "rad")
     },
-    "mrad": {"angle": ("mrad", 1e-3), "angular velocity": ("mrad/s", 1e-3)},
-    "rad": {"angle": ("rad", 1.0), "angular velocity": ("rad/s", 1.0)},
-    "mm": {"length": ("mm", 1e-3)},
-    "cm": {"length": ("cm", 1e-2)},
-    "m": {"length": ("m", 1.0)},
-    "cm/s": {"velocity": ("cm/s", 1e-2)},
-    "m/s": {"velocity": ("m/s", 1.0)},
 }
 """The choices of `--units`: for each dimension that a choice changes, the unit and its
 factor to SI.

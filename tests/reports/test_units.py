@@ -8,6 +8,8 @@ import pytest
 from support.refusals import refuses
 
 from rocking_cli import UsageError
+from rocking_cli.documents.quantities import UNITS, parse_quantity
+from rocking_cli.motions.records.units import WRITTEN_UNITS
 from rocking_cli.reports.tables import lines
 from rocking_cli.reports.units import (
     COLUMNS,
@@ -125,6 +127,15 @@ def test_a_spectral_acceleration_of_any_period_has_its_unit():
         None,
         None,
     ]
+
+
+def test_documents_records_and_tables_share_one_table_of_units():
+    assert parse_quantity("32.174 ft/s2", "acceleration") == 32.174 * 0.3048
+    assert set(WRITTEN_UNITS) <= set(UNITS["acceleration"])
+    units = parse_units("ft,ft/s2,in/s")
+    assert units.of("length") == ("ft", 0.3048)
+    assert units.of("acceleration") == ("ft/s2", 0.3048)
+    assert units.of("velocity") == ("in/s", 0.0254)
 
 
 REFUSED = [

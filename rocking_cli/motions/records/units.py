@@ -8,15 +8,9 @@ can be refused with the right reason.
 import re
 import unicodedata
 
-from ...documents.quantities import DEFAULT_GRAVITY, UNITS
+from ...documents.quantities import UNITS
 
-# m/s2, of every unit that a record may have
-ACCELERATIONS = UNITS["acceleration"] | {
-    "mg": 1e-3 * DEFAULT_GRAVITY,
-    "%g": 1e-2 * DEFAULT_GRAVITY,
-    "ft/s2": 0.3048,
-    "in/s2": 0.0254,
-}
+ACCELERATIONS = UNITS["acceleration"]
 WRITTEN_UNITS = ("m/s2", "cm/s2", "mm/s2", "gal", "g", "mg", "%g", "ft/s2", "in/s2")
 
 _LETTERS = str.maketrans(
