@@ -55,7 +55,10 @@ def rows_in_memory(rows: Iterable[Mapping[str, Any]]) -> Rows:
     if not found:
         raise UsageError("there is no row to draw")
     columns = dict.fromkeys(key for row in found for key in row)
-    texts = [{key: str(csv_cell(row.get(key))) for key in columns} for row in found]
+    texts = [
+        {str(csv_cell(key)): str(csv_cell(row.get(key))) for key in columns}
+        for row in found
+    ]
     return [_in_si(row) for row in texts]
 
 

@@ -52,16 +52,16 @@ def json_line(row: Row, encoding: str = "utf-8") -> str:
 
 def csv_lines(rows: Iterable[Row], columns: Sequence[str] = ()) -> Iterator[str]:
     """Yield CSV lines: a header, that of `columns` if there is no row, and the rows. A
-    text that a spreadsheet reads as a formula gets a leading apostrophe.
+    heading or a text that a spreadsheet reads as a formula gets a leading apostrophe.
     """
     header: list[str] | None = None
     for row in rows:
         if header is None:
             header = list(row)
             yield _csv_row(header)
-        yield _csv_row([csv_cell(row.get(c)) for c in header])
+        yield _csv_row([row.get(c) for c in header])
     if header is None and columns:
-        yield _csv_row(list(columns))
+        yield _csv_row(columns)
 
 
 class _Column(NamedTuple):
@@ -353,10 +353,10 @@ def _plain(value: Any) -> Any:
     return value
 
 
-def _csv_row(cells: list[Any]) -> str:
-    """Return cells as a line of CSV without its end."""
+def _csv_row(values: Iterable[Any]) -> str:
+    """Return headings or values as a line of CSV without its end."""
     out = io.StringIO()
-    csv.writer(out, lineterminator="").writerow(cells)
+    csv.writer(out, lineterminator="").writerow(map(csv_cell, values))
     return out.getvalue()
 
 

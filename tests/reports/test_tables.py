@@ -40,6 +40,13 @@ def test_a_name_is_no_formula_in_a_spreadsheet(name):
     ]
 
 
+@pytest.mark.parametrize("heading", FORMULAS)
+def test_a_heading_is_no_formula_in_a_spreadsheet(heading):
+    with_rows, _ = csv.reader(csv_lines([{heading: 1.0, "A": -1.5}]))
+    (alone,) = csv.reader(csv_lines([], [heading, "A"]))
+    assert with_rows == alone == [f"'{heading}", "A"]
+
+
 def test_other_names_stay_as_they_are():
     rows = list(
         csv.reader(csv_lines([{"a": "Column -1", "b": "", "c": None, "e": "1=2"}]))
