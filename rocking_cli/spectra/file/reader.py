@@ -13,6 +13,7 @@ from typing import Any
 import h5py
 import numpy as np
 
+from ...documents.hdf5 import own_dataset
 from ...dynamics.outcome import Outcome
 from ...errors import OutputError, UsageError
 from ...motions import Harmonic, Motion, Piece
@@ -114,7 +115,7 @@ class SpectraFile(ExitStack[None]):
         ]
         for group, some in ((file, names), (tables, CHUNK_TABLES)):
             for name in some:
-                _require_own(group, name)
+                own_dataset(group, name)
 
         self._read_scene(file, names)
         self.done = tables["chunk_done"][...] == 1
@@ -409,16 +410,6 @@ def _cell_value(name: str, value: np.generic) -> float | int | str | None:
         return codes(int(value.item())).flag
     number: float | int = value.item()
     return number if np.isfinite(number) else None
-
-
-def _require_own(group: h5py.Group, name: str) -> None:
-    """Raise ValueError if a dataset or its data lie in another file."""
-    if not isinstance(group.get(name, getlink=True), h5py.HardLink) or not isinstance(
-        group[name], h5py.Dataset
-    ):
-        raise ValueError(f"its {name} is not a dataset of its own")
-    if group[name].external or group[name].is_virtual:
-        raise ValueError(f"its {name} is stored in another file")
 
 
 def _values(data: h5py.Dataset) -> Values:

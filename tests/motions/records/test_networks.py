@@ -323,3 +323,81 @@ def test_the_text_of_obspy(tmp_path, kind):
 )
 def test_other_texts_of_obspy_are_refused(tmp_path, text, words):
     assert words in refusal(tmp_path / "a", text)
+
+
+def stored_apart(file, **how):
+    (station,) = file["Waveforms"].values()
+    name = next(x for x in station if "HNE" in x)
+    del station[name]
+    data = station.create_dataset(name, shape=(500,), dtype="f8", **how)
+    data.attrs["sampling_rate"] = 100.0
+
+
+def put(place, what):
+    def edit(file):
+        file.pop(place, None)
+        file[place] = what
+
+    return edit
+
+
+def elsewhere(file):
+    stored_apart(file, external=[("secret.bin", 0, 4000)])
+
+
+def of_another_file(file):
+    layout = h5py.VirtualLayout((500,), "<f8")
+    layout[:] = h5py.VirtualSource("secret.h5", "secret", (500,))
+    name = "XX.ABC.00.HNX__a__b__c"
+    file["Waveforms/XX.ABC"].create_virtual_dataset(name, layout)
+
+
+NOT_OWN = "is not a group of its own"
+HOSTILE = {
+    "values in another file": (elsewhere, "is stored in another file"),
+    "values of another dataset": (of_another_file, "is stored in another file"),
+    "a link to another file": (
+        put("Waveforms", h5py.ExternalLink("secret.h5", "/Waveforms")),
+        f"Waveforms {NOT_OWN}",
+    ),
+    "a soft link": (put("Waveforms/a", h5py.SoftLink("/Waveforms/XX.ABC")), NOT_OWN),
+    "a link to nothing": (put("Waveforms/a", h5py.SoftLink("/nowhere")), NOT_OWN),
+    "a link to itself": (put("Waveforms/a", h5py.SoftLink("/Waveforms/a")), NOT_OWN),
+    "a dataset of waveforms": (put("Waveforms", SAMPLES), NOT_OWN),
+    "a dataset for a station": (put("Waveforms/a", SAMPLES), NOT_OWN),
+    "a table": (
+        put("Waveforms/XX.ABC/a__b__c__d", np.ones((9, 9))),
+        "a is not one row of samples",
+    ),
+    "chunks that are not there": (
+        lambda file: stored_apart(file, chunks=(100,)),
+        "states 500 values and stores fewer",
+    ),
+    "values that are not there": (stored_apart, "states 500 values and stores fewer"),
+    "a huge chunk": (
+        lambda file: stored_apart(file, chunks=(1 << 26,), maxshape=(None,)),
+        "waveforms larger than 256 MiB when unpacked",
+    ),
+}
+
+
+@pytest.mark.parametrize(("edit", "words"), HOSTILE.values(), ids=HOSTILE)
+def test_a_workspace_gives_only_what_it_stores_itself(tmp_path, edit, words):
+    path = workspace(tmp_path / "w.h5")
+    (tmp_path / "secret.bin").write_bytes(np.linspace(-1.0, 1.0, 500).tobytes())
+    with h5py.File(tmp_path / "secret.h5", "w") as file:
+        file["secret"] = np.linspace(-1.0, 1.0, 500)
+        file.create_group("Waveforms")
+    with h5py.File(path, "r+") as file:
+        edit(file)
+    with pytest.raises(DocumentError, match=words):
+        read_records(path, unit="cm/s2")
+
+
+@pytest.mark.parametrize(
+    "rate", ["abc", [100.0, 100.0], [], h5py.Empty("f8"), 1 + 2j, np.inf, np.nan, -1.0]
+)
+def test_a_rate_is_one_positive_number(tmp_path, rate):
+    path = workspace(tmp_path / "w.h5", sampling_rate=rate)
+    with pytest.raises(DocumentError, match="no attribute sampling_rate that is a"):
+        read_records(path, unit="cm/s2")
