@@ -12,7 +12,7 @@ from .quantities import FACTORS, split_quantity
 LONGEST = 2 << 20  # characters of a YAML file, or of one JSON object
 MOST_VALUES = 100_000  # values of a document; an alias counts each time
 DEEPEST = 20  # levels of nested lists and mappings
-_UNSPACED = re.compile(r"\s*-?\s*([A-Za-z_]\w*):([^\s:/\\,][^\s,]*)")
+_UNSPACED = re.compile(r"(?:\s*-)?\s*([A-Za-z_]\w*):([^\s:/\\,][^\s,]*)")
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,7 @@ from .composition import DEEPEST, LONGEST, MOST_VALUES, Place, place_in, unspace
 _BLANKS = re.compile(r"\s*")
 # a quoted text, a comment of YAML, one of JavaScript
 _COMMENT = re.compile(
-    r'"(?:[^"\\\n]|\\.)*"|\'[^\'\n]*\'|#[^\n]*|(?<![^\s,{}\[\]:"\'])(//|/\*)'
+    r'"(?:[^"\\\n]|\\.)*"?|\'[^\'\n]*\'|#[^\n]*|(?<![^\s,{}\[\]:"\'])(//|/\*)'
 )
 
 
@@ -123,7 +123,9 @@ def _compose_json(text: str, source: str) -> list[yaml.Node]:
     end of each, YAML's composer the places in it.
     """
     nodes: list[yaml.Node] = []
-    decoder, at = json.JSONDecoder(), _after_blanks(text, 0)
+    # numbers stay texts: Python refuses one of more than 4300 digits
+    decoder = json.JSONDecoder(parse_int=str, parse_float=str)
+    at = _after_blanks(text, 0)
     first = text.count("\n", 0, at)
     while at < len(text):
         try:

@@ -70,7 +70,7 @@ _NUMBER = r"[+-]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"
 _WITH_COMMAS = re.compile(r"(?<![\d,.])([+-]?[\d.]*,[\d.,]*)(?<=\d)([^,:x]{0,20})")
 _THOUSANDS = re.compile(r"[+-]?[1-9]\d{0,2}(?:,\d{3})+(?:\.\d+)?")
 _DECIMAL_COMMA = re.compile(r"([+-]?(?:[1-9]\d{0,2}(?:\.\d{3})+|\d*)),(\d+)")
-_QUANTITY = re.compile(rf"\s*({_NUMBER})\s*(.*?)\s*\Z", re.DOTALL)
+_QUANTITY = re.compile(rf"\s*({_NUMBER})(.*)", re.DOTALL)
 
 
 def split_quantity(text: str) -> tuple[float, str] | None:
@@ -78,7 +78,7 @@ def split_quantity(text: str) -> tuple[float, str] | None:
     decimal number.
     """
     match = _QUANTITY.match(text)
-    return None if match is None else (float(match[1]), match[2])
+    return None if match is None else (float(match[1]), match[2].strip())
 
 
 def is_bare(text: str) -> bool:

@@ -32,9 +32,6 @@ BLANKS = (  # the separator of columns that have blanks between them, any number
     " "
 )
 _SEPARATORS = (";", "\t", ",", BLANKS)
-_HEADING = re.compile(
-    r"\s*(?P<key>.*?)\s*(?:[\[(]\s*(?P<unit>[^\])]*?)\s*[\])])?\s*", re.DOTALL
-)
 # the first line of a table of Excel
 _SEP = re.compile(r"\s*\"?sep=(.)\"?[;,\t]*[ ]*(?:\r\n|\r|\n)", re.IGNORECASE)
 # a comment or a blank line
@@ -48,9 +45,9 @@ _KEY = re.compile(r"[a-z_]+:")  # that of a YAML document
 # what YAML begins with, and a row of numbers
 _NO_HEADING = re.compile(r":(?:\s|$)|^\s*[-#\[{&%'|>]|^\s*-?[\d.]")
 # no separator inside quotes or brackets separates columns
-_ENCLOSED = re.compile(r'"[^"]*"|\s*\([^()]*\)|\s*\[[^][]*\]')
+_ENCLOSED = re.compile(r'"[^"]*"|(?<!\s)\s*(?:\([^()]*\)|\[[^][]*\])')
 # a heading or a cell between blanks
-_IN_BLANKS = re.compile(r"\"[^\"]*\"|[^\s\[(]\S*(?:\s*[\[(][^\])]*[\])])?")
+_IN_BLANKS = re.compile(r"\"[^\"]*\"|[^\s\[(]\S*(?:\s*[\[(][^\])]{0,200}[\])])?")
 _BARE = ("", "-", "1")  # no unit
 # a column for an item of a list, such as pieces_1_width
 ITEM = re.compile(r"([a-z_]+)_(\d{1,4})_([a-z_]+)")
@@ -257,8 +254,15 @@ def _with_points(table: Table) -> Table:
 
 def split_heading(heading: str) -> tuple[str, str]:
     """Split the heading of a column into (name, unit)."""
-    match = _HEADING.fullmatch(heading)
-    return (match["key"], match["unit"] or "") if match else (heading, "")
+    heading = heading.strip()
+    if not heading.endswith((")", "]")):
+        return heading, ""
+    inner = heading[:-1]
+    start = max(inner.rfind(")"), inner.rfind("]")) + 1  # behind the brackets before
+    opened = [at for mark in "[(" if (at := inner.find(mark, start)) >= 0]
+    if not opened:
+        return heading, ""
+    return inner[: min(opened)].strip(), inner[min(opened) + 1 :].strip()
 
 
 def columns_of(table: Table) -> list[tuple[str, str]]:

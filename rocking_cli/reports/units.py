@@ -172,7 +172,7 @@ factor to SI.
 # a column for a side, a list item or an equation
 _OF_ONE = re.compile(r"(?:left|right|[a-z]+_\d+)_(.+)|(.+)_(?:linear|nonlinear)")
 _FREQUENCY = {"omega_g": "f_g"}  # the name of a column in Hz
-HEADING = re.compile(r"(?P<column>.*?) \[(?P<unit>[^\]]*)\]")
+HEADING = re.compile(r"(?P<column>.*?) \[(?P<unit>[^\[\]]*)\]")
 
 
 @dataclass(frozen=True)

@@ -2,6 +2,7 @@
 
 import itertools
 import math
+from contextlib import suppress
 
 import pytest
 from support.documents import built
@@ -226,3 +227,28 @@ def test_a_slash_in_a_text_is_no_comment():
         ).name
         == "http://a.b/*c # d"
     )
+
+
+# Patterns take the square of such a text, or a stack the depth of it, unless they are
+# bounded.
+@pytest.mark.parametrize("mark", " \t\n([{\"'1a.,;:=-_*#\\", ids=repr)
+@pytest.mark.parametrize(
+    "text",
+    [
+        '{{"kind": "block", "labels": {}}}',
+        '{{"kind": "block", {}\\"',
+        "kind,width,height,{}x\nblock,0.5,2,1\n",
+        "kind  width {} x\nblock 0.5 2\n",
+        "kind: block\nwidth: 0.5{}x\n",
+        "{}kind:block",
+    ],
+)
+def test_a_mark_that_goes_on_and_on_is_read_or_refused(text, mark):
+    with suppress(DocumentError):
+        parse_documents(text.format(60_000 * mark))
+
+
+def test_a_document_of_any_depth_is_refused_in_its_place():
+    text = '{"kind": "block", "labels": %s}' % ("[" * 100_000 + "]" * 100_000)
+    with pytest.raises(DocumentError, match="<text>:1:48: nested too deeply"):
+        parse_documents(text)

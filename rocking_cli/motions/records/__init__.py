@@ -40,7 +40,7 @@ from .claims import agree
 from .cut_files import cut_number
 from .encodings import as_utf_8
 from .record import EVERY, Given, Record, Series, pick, record_of, require_series
-from .text import HEAD, RecordText
+from .text import HEAD, RecordText, cut_lines
 from .units import ACCELERATIONS, WRITTEN_UNITS, require_known
 
 if TYPE_CHECKING:
@@ -82,7 +82,7 @@ FORMATS = (
     "asa",
     "timeseries",
 )
-_DOCUMENT = re.compile(r"^[\s{\"']*kind[\"']?\s*:", re.MULTILINE)
+_DOCUMENT = re.compile(r"^[ \t{\"']*kind[\"']?\s*:", re.MULTILINE)
 # uncorrected data: first words of a file, or a key of ESM and ITACA
 _UNCORRECTED = re.compile(
     r"\A\s*(?:\d\s+)?(?:UNCORRECTED ACCELER(?:OGRAM|ATION)|RAW ACCELERATION(?!"
@@ -120,10 +120,11 @@ def _format_of(source: str, head: str) -> "tuple[Any, EntryPoint | None]":
     """(format, entry point of the package that adds it) of a file; (None, None) for a
     file without records.
     """
+    short = cut_lines(head)
     for found in _formats():
-        if found.recognise(head):
+        if found.recognise(short):
             return found, None
-    if _DOCUMENT.search(head):
+    if _DOCUMENT.search(short):
         return None, None
     for entry in _entries(tuple(sys.path)):
         with _blamed(source, entry):
@@ -135,7 +136,7 @@ def _format_of(source: str, head: str) -> "tuple[Any, EntryPoint | None]":
                 raise TypeError(
                     f"{entry.value} needs a NAME (a text) and a function read(text)"
                 )
-            if found.recognise(head):
+            if found.recognise(short):
                 return found, entry
     return (plain if plain.recognise(head) else None), None
 
@@ -208,7 +209,7 @@ def records_of(
     found, entry = _format_of(source, text.head)
     if found is None:
         return None
-    uncorrected = _UNCORRECTED.search(text.head)
+    uncorrected = _UNCORRECTED.search(cut_lines(text.head))
     if uncorrected and not named and found is not plain:
         raise NoAcceleration(
             f"{source}: an uncorrected accelerogram, which is taken where the file"

@@ -133,6 +133,7 @@ _AFTER = re.compile(
 _IN = re.compile(r"\bin\s+(?:units?\s+of\s+)?([^\s,;]+)", re.IGNORECASE)
 _BRACKETS = re.compile(r"[\[(]([^\[\]()]*(?:\([^()]*\)[^\[\]()]*)?)[\])]")
 _MARKS = re.compile(r"^[\s#%!*;/\"'>|-]+(?=\S)")
+_GAP = re.compile(r"\s{3,}")  # patterns may take the cube of its length
 _UNLIKE = (
     "velocity",
     "displacement",
@@ -189,7 +190,7 @@ class Claims:
 
         Raises the error of `fault` if it is not understood.
         """
-        words = _MARKS.sub("", line).strip().strip("\"'").strip()
+        words = _GAP.sub("  ", _MARKS.sub("", line).strip().strip("\"'").strip())
         text = _DECIMAL_COMMA.sub(r"0.\1", plain(words))
         if not re.search(r"[^\W\d_]", text):
             return

@@ -36,7 +36,7 @@ _ACROSS = re.compile(
 
 # what stands between `Component` and the direction, as in `Component: CHAN 2: UP`
 _CHANNEL = re.compile(
-    r"(?:[\s:=,;(\[#]+|[-–](?=\s)"
+    r"(?:[\s:=,;(\[#]++|[-–](?=\s)"
     r"|(?:chan(?:nel)?|chn|ch|sensor|trace|track|loc(?:ation)?|kanal|canale?)\.?\s*"
     r"(?:no\.?\s*)?\d{0,3}(?![\w.])"
     r"|acc\w*\.?(?=\s)"

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from ...errors import counted
 from .claims import Claims, agree
 from .printed_numbers import finite_number
 from .rows import NumberRows, as_printed, rows_above_samples
@@ -23,6 +24,13 @@ def without_first_numbers(
         (x, title.line) for title in above for x in numbers_in(unmarked(title.text))
     ]
     first = int(rows.counts[:count].sum())
+    if first > len(rows.words):
+        raise text.fault(
+            f"found {first} numbers on {counted(count, 'line')} above lines of"
+            f" {rows.columns}; expected the number of values, the time step or the"
+            " rate",
+            int(rows.lines[0]),
+        )
     lines = np.repeat(rows.lines[:count], rows.counts[:count])
     words += [
         (as_printed(x), int(n)) for x, n in zip(rows.words[:first], lines, strict=True)

@@ -91,6 +91,7 @@ NEUTRAL = frozenset(
         )
     )
 )
+_LONGEST = 200  # characters of a heading that may be understood
 _LETTERS_WITH_DIRECTION = re.compile(
     r"(acc|accel|acceleration|ag|vel|velocity|disp|displ|displacement|dis)"
     r"(x|y|z|ns|ew|ud|n|e|w|s|h1|h2|h|l|t)|([avdu])(x|y|z|ns|ew|ud)"
@@ -116,6 +117,8 @@ _DERIVED = re.compile(
 _OF_A_DIRECTION = re.compile(
     r"(?i)[-\s_.]*\b(?:comp(?:onent)?|dir(?:ection)?)\b\.?[-\s_.]*"
 )
+# a word, or one with brackets, which may hold blanks
+_PIECE = re.compile(r"[^\s\[({<]*[\[({<][^\])}>]{0,200}[\])}>][^\s\[({<]*|\S+")
 _CAMEL = re.compile(r"(?<=[a-z])(?=[A-Z])")
 _SPLIT = re.compile(r"[\s_.,:;/|\-\"']+")
 
@@ -150,6 +153,8 @@ def cell_of(text: str, first: bool = True) -> HeadingCell:
     the first column.
     """
     text = re.sub(r"^[#%](?=[^\W\d_]{2,})", "", text.strip().strip("\"'").strip())
+    if len(text) > _LONGEST:
+        return HeadingCell(text, UNKNOWN, odd=text)
     # The parts of the heading: units of acceleration, of time, and other (foreign)
     # ones, and the role that the name states.
     name, units, asides = _parted(text)
@@ -209,7 +214,7 @@ def units_row(cells: list[str]) -> list[str] | None:
 def cells_in(line: str) -> list[str]:
     """Return the headings of a line without separators, as `Time (s) Acc NS (g)`."""
     found: list[str] = []
-    for piece in re.findall(r"[^\s\[({<]*[\[({<][^\])}>]*[\])}>][^\s\[({<]*|\S+", line):
+    for piece in _PIECE.findall(line):
         alone = _BRACKETS.fullmatch(piece)
         if alone and found and not _BRACKETS.search(found[-1]):
             found[-1] += " " + piece

@@ -66,6 +66,7 @@ def read(text: RecordText) -> list[Series]:
     cells, others = headings(text, titles, rows)
     for title in others:
         require_no_row(text, title, rows.columns)
+        text.require_short(title.text, title.line)
         claims.take(
             title.text, title.line, strict=title == titles[-1] and rows.columns == 1
         )

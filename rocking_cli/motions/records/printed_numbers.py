@@ -8,6 +8,7 @@ Array = np.ndarray
 
 NUMBER = re.compile(rb"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?")
 OF_NUMBERS = b" \t\n0123456789+-.eEdD*"  # the characters of a block, with stars
+_LONGEST = 400  # characters of a number
 _D_AS_E = bytes.maketrans(b"Dd", b"Ee")  # the letter of an exponent in Fortran
 # an exponent beyond 99 in Fortran, which has no letter
 _NO_LETTER = re.compile(rb"([+-]?\d*\.\d+)([+-]\d{3})")
@@ -22,7 +23,8 @@ def finite_number(token: bytes) -> float | None:
         if len(token) < 40
         else token
     )
-    value = float(token) if NUMBER.fullmatch(token) else np.nan
+    written = len(token) <= _LONGEST and NUMBER.fullmatch(token)
+    value = float(token) if written else np.nan
     return value if np.isfinite(value) else None
 
 

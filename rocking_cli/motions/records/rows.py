@@ -13,7 +13,9 @@ from .printed_numbers import Array, finite_number
 from .text import RecordText
 
 _ODD_COMMA = re.compile(rb",(?![0-9])|,[0-9]*,")
-_EMPTY = re.compile(rb"([,;])[ \t]*\1(?![,; \t]*(?:\n|$))")  # not at the end of a line
+# separators beside each other, as far as they go; two equal ones have nothing between
+_BESIDE = re.compile(rb"[,;][ \t]*+[,;][,; \t]*+")
+_EMPTY = re.compile(rb"([,;])[ \t]*\1")
 _MANY = 2000  # lines that show whether whole numbers before a comma are times
 _SHOWN = 200  # numbers whose printed form is looked at
 _MOST_FIRST = 3  # numbers above a column that may be no samples: count, step, rate
@@ -65,9 +67,11 @@ def rows_of(text: RecordText, headings: int | None) -> NumberRows:
         if quote in block:
             block = block.replace(quote + b"," + quote, b";")  # "0,01","0,02"
             block = block.replace(quote, b"")
-    if empty := _EMPTY.search(block):
-        line = text.line + block[: empty.start()].count(b"\n")
-        raise text.fault("an empty cell between two numbers", line)
+    for beside in _BESIDE.finditer(block):
+        ends = block[beside.end() : beside.end() + 1] in (b"", b"\n")  # its line
+        if not ends and _EMPTY.search(beside[0]):
+            line = text.line + block[: beside.start()].count(b"\n")
+            raise text.fault("an empty cell between two numbers", line)
     separator, decimal = _separator(block, headings)
     if decimal:
         block = block.replace(b",", b".")
@@ -119,10 +123,12 @@ def rows_above_samples(rows: NumberRows) -> int:
             return min(short, _MOST_FIRST)
         return _first_is_apart(rows)
     if rows.counts[0] > 1:
-        return 1 + rows_above_samples(rows.below(1)) if rows.counts.size > 2 else 0
+        above = int(np.argmax(rows.counts == columns))
+        below = rows.counts.size > above + 1
+        return above + rows_above_samples(rows.below(above)) if below else 0
     found = 0
     while (
-        found < _MOST_FIRST
+        found < min(_MOST_FIRST, len(rows.words))
         and rows.values.size > found + 2
         and _is_no_sample(rows, found)
     ):

@@ -27,6 +27,8 @@ from .units import WRITTEN_UNITS, time_unit, unit_of
 Keys = dict[str, tuple[str, int]]
 
 HEAD = 1 << 16  # bytes in which a format shows itself
+# characters of a line of words: patterns may take the square of them
+LONGEST_LINE = 1000
 _DOS_BLOCK = 128  # bytes
 # a format such as (8F10.5) or (1E15.6)
 FORTRAN = r"\(\s*(?:\d+P\s*,?\s*)?(?P<columns>\d*)\s*[FEGDI]\s*(?P<width>[1-9]\d?)"
@@ -36,9 +38,16 @@ def begins(pattern: str) -> Callable[[str], bool]:
     """Return the function `recognise` of a format whose files begin with a pattern, in
     any case, after blank lines.
     """
-    return lambda head: (
-        re.match(rf"\s*(?:{pattern})", head, re.IGNORECASE | re.MULTILINE) is not None
-    )
+    begin = re.compile(pattern, re.IGNORECASE | re.MULTILINE)
+    return lambda head: begin.match(head.lstrip()) is not None
+
+
+def cut_lines(head: str) -> str:
+    """Return the lines of the beginning of a file that are not blank, cut to
+    LONGEST_LINE characters.
+    """
+    lines = (line[:LONGEST_LINE] for line in head.split("\n"))
+    return "\n".join(line for line in lines if line.strip())
 
 
 def stated(
@@ -120,11 +129,29 @@ class RecordText:
 
     # Lines
 
-    def next_line(self) -> str | None:
-        """Return the next line without its end, None after the last."""
+    def any_line(self) -> str | None:
+        """Return the next line, of any length, without its end; None after the last."""
         if self.at >= len(self.raw):
             return None
         return self.decoded(self._take(1)).rstrip()
+
+    def next_line(self) -> str | None:
+        """Return the next line of words without its end, None after the last. Raises
+        DocumentError for one that is too long for words.
+        """
+        line = self.any_line()
+        self.require_short(line or "", self.line - 1)
+        return line
+
+    def require_short(self, words: str, line: int) -> None:
+        """Raise DocumentError for words that are longer than those of a header."""
+        if len(words) > LONGEST_LINE:
+            raise self.fault(
+                f"found {len(words)} characters, {words.strip()[:40]!r} and more, that"
+                f" are not numbers alone; expected words of up to {LONGEST_LINE}"
+                " characters",
+                line,
+            )
 
     def lines(self, count: int) -> list[str]:
         """Return the next `count` lines. Raises DocumentError if the

@@ -36,6 +36,8 @@ _LIST_OF_COLUMNS = re.compile(
 )
 # a number with its unit, such as `filter 0.1-25 Hz`
 _VALUE = re.compile(r"\d\s*(?:k?hz|m?s|secs?|seconds?)\b", re.IGNORECASE)
+_LONGEST_HEADINGS = 10_000  # characters of a line of headings
+_APART = re.compile(r"[\s,;]+")  # what stands between headings
 _IN_BRACKETS = re.compile(r"[\[(][^\])]*[\])]")
 AMBIGUOUS = ("u", "v", "V", "U", "x")  # alone beside times: a direction or a quantity
 
@@ -51,7 +53,7 @@ def titles_of(text: RecordText) -> Iterator[Title]:
     """Read up to the first of two rows of numbers, and yield the lines above."""
     while True:
         at, line = text.at, text.line
-        found = text.next_line()
+        found = text.any_line()
         if found is None:
             raise text.fault("no numbers")
         if not found.strip():
@@ -61,6 +63,9 @@ def titles_of(text: RecordText) -> Iterator[Title]:
             if not rest or is_row(rest.split("\n", 1)[0]):
                 text.at, text.line = at, line
                 return
+        long = len(found) > _LONGEST_HEADINGS
+        for words in (found,) if long else _APART.split(found):
+            text.require_short(words, line)
         yield Title(found, line)
 
 
@@ -178,6 +183,7 @@ def _require_one(text: RecordText, title: Title, rows: NumberRows) -> None:
     """Raise DocumentError if the line above one column names several,
     or another one.
     """
+    text.require_short(title.text, title.line)
     words = unmarked(title.text)
     for mark in (",", ";", "\t"):
         cells = [x for x in words.split(mark) if x.strip()]

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from support.record_layouts import as_printed, refusal, wave
 
+from rocking_cli.errors import DocumentError
 from rocking_cli.motions.records import read_record
 
 SAMPLES = wave(400, 2.5)
@@ -244,3 +245,47 @@ def lines(**changed):
 )
 def test_bad_files_are_told_with_file_and_line(tmp_path, text, given, words):
     assert words in refusal(tmp_path / "a", text, **given)
+
+
+# Patterns take the square or the cube of the characters of such a line, so that words
+# are bounded before a pattern sees them.
+@pytest.mark.parametrize(
+    "begin", ["", "acc ", "component", "scale factor", "x\n", "1", "sampling rate"]
+)
+@pytest.mark.parametrize("mark", ' \t\n([{"1a.,;:=-_*#', ids=repr)
+def test_a_line_of_words_is_bounded(tmp_path, begin, mark):
+    path = tmp_path / "a"
+    path.write_text(f"{begin}{mark * 60_000}@\n{COLUMN}")
+    with pytest.raises(DocumentError) as found:
+        read_record(path, unit="g", dt=0.01)
+    assert len(str(found.value)) < 1000 + len(str(path))
+
+
+def test_words_are_as_long_as_a_header_has_them(tmp_path):
+    title = "station of the network, a hill of Lixouri " * 100
+    path = tmp_path / "a"
+    path.write_text(f"{title[:1000]}\n{COLUMN}")
+    assert read_record(path, unit="g", dt=0.01).npts == SAMPLES.size
+    assert "a:1: found 1001 characters, 'station of" in refusal(
+        path, f"{title[:1000]}x\n{COLUMN}", unit="g", dt=0.01
+    )
+
+
+def test_columns_are_as_many_as_a_file_has_them(tmp_path):
+    path = tmp_path / "a.csv"
+    names = ",".join(f"sensor {i}" for i in range(300))
+    values = "".join(f"{i / 100:.2f}{',0.1' * 299},{i % 7}\n" for i in range(50))
+    path.write_text(f"time,{names}\n{values}")
+    assert read_record(path, unit="g", column="301").npts == 50
+    path.write_text("  " + ",".join(f"{x:.6f}" for x in SAMPLES.tolist() * 10))
+    assert read_record(path, unit="g", dt=0.01, column="all").npts == 4000
+
+
+@pytest.mark.parametrize("below", [COLUMN, COLUMN.replace("\n", " 1 2\n")])
+@pytest.mark.parametrize(
+    "above", [f"{'1 ' * 201}\n", f"{'1 ' * 9000}\n", 300 * "1 2\n"]
+)
+def test_more_numbers_than_a_count_a_step_and_a_rate(tmp_path, above, below):
+    words = refusal(tmp_path / "a", above + below, unit="g", dt=0.01)
+    assert "a:1: found " in words
+    assert " above " in words
