@@ -19,7 +19,8 @@ def require(needing: str, *packages: str, instead: str = "") -> None:
     """Import packages that are not always installed, before the work that needs them.
 
     needing: the words before their names, such as "figures need"; instead: what the
-    message adds. Raises OutputError, which says how to install those that are missing.
+    message adds. Raises OutputError, which says how to install those that are missing,
+    and UsageError where a setting keeps one from starting, such as MPLBACKEND.
     """
     missing = []
     for package in packages:
@@ -27,6 +28,10 @@ def require(needing: str, *packages: str, instead: str = "") -> None:
             import_module(package)
         except ImportError:
             missing.append(package)
+        except ValueError as error:
+            first = str(error).partition(";")[0]
+            where = " (the variable MPLBACKEND)" if "backend" in first else ""
+            raise UsageError(f"{package} cannot start: {first}{where}") from None
     if missing:
         names, words = " and ".join(missing), " ".join(missing)
         raise OutputError(f"{needing} {names}: pip install {words}{instead}")

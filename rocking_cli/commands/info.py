@@ -188,7 +188,10 @@ def _command(path: str, file: "SpectraFile") -> str | None:
     from ..motions.reading import holds_records
 
     history = str(file.attributes.get("history", ""))
-    call = shlex.split(history.partition("rocking ")[2]) or [""]
+    try:
+        call = shlex.split(history.partition("rocking ")[2]) or [""]
+    except ValueError:  # a quote without its other one: another program wrote it
+        return None
     name, *arguments = call
     root = click.get_current_context().find_root()
     assert isinstance(root.command, click.Group)

@@ -20,6 +20,18 @@ def is_document_text(given: str) -> bool:
     )
 
 
+def whole_text(text: str) -> str:
+    """Return a text that UTF-8, HDF5 and a font can hold: a byte of a file name that is
+    no UTF-8 stands as \\udce9.
+    """
+    return text.encode("utf-8", "backslashreplace").decode()
+
+
+def named_after(path: str | Path) -> str:
+    """Return the name that a file gives to what it holds, by default."""
+    return whole_text(Path(path).stem)
+
+
 def read_bytes(path: str | Path) -> tuple[str, bytes]:
     """Return (source name, content) of a file. Raises UsageError (it cannot be read) or
     DocumentError (it is too large).

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ..documents.files import named_after
 from ..documents.quantities import DEFAULT_GRAVITY, is_bare, unit_of
 from ..documents.table import named_rows
 from ..errors import DocumentError, UsageError
@@ -116,7 +117,7 @@ def fit_counts(
     at, rates = drawn_at(x, hazard)
     band = bootstrap_counts(x, n, z, how, at, rates) if how.samples else None
     return Fit(
-        structure=Path(counts.source).stem,
+        structure=named_after(counts.source),
         im=_LEVEL if counts.measure is None else counts.measure.name,
         limit=limit,
         method="stripes",

@@ -14,7 +14,7 @@ from typing import Any, Self
 
 import numpy as np
 
-from ..documents.files import read_bytes
+from ..documents.files import named_after, read_bytes
 from ..documents.quantities import parse_quantity, quantity_at, split_quantity
 from ..documents.table import Cell, rows_of
 from ..documents.texts import text_of
@@ -363,7 +363,7 @@ def read_spectrum(path: str | Path) -> SpectrumFile:
         raise DocumentError(
             f"{source}: found the first period {periods[0]:g} s; expected {wanted}"
         )
-    return SpectrumFile(Path(source).stem, np.array(periods), np.array(values))
+    return SpectrumFile(named_after(source), np.array(periods), np.array(values))
 
 
 def _fault(cell: Cell, wanted: str, lacks: str = "") -> DocumentError:

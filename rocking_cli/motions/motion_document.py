@@ -4,12 +4,12 @@ s and a_g = 1 m/s2 they are in s and m/s2.
 """
 
 from itertools import pairwise
-from pathlib import Path
 
 import numpy as np
 
 from ..documents.composition import Value
 from ..documents.document import Document
+from ..documents.files import named_after
 from ..errors import DocumentError, MotionError
 from .motion import Harmonic, Motion, Piece
 from .polyline import Polyline
@@ -25,7 +25,7 @@ def build_motion(document: Document) -> Motion:
     """Return the motion of a document with `pieces` or `points`, and `name`. Raises
     DocumentError.
     """
-    stem = "motion" if document.source.startswith("<") else Path(document.source).stem
+    stem = "motion" if document.source.startswith("<") else named_after(document.source)
     name = document.word("name", stem)
     if document.has("pieces") == document.has("points"):
         found = (

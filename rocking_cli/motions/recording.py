@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
+from ..documents.files import whole_text
 from ..showing import Shown
 from .biaxial import Upwards
 from .blocks import largest
@@ -54,12 +55,7 @@ class Recording(Shown):
     building: "Building | None" = None
 
     def __post_init__(self) -> None:
-        # file names may not be valid text
-        label = (
-            (self.label or self.record.label)
-            .encode("utf-8", "backslashreplace")
-            .decode()
-        )
+        label = whole_text(self.label or self.record.label)
         object.__setattr__(self, "label", label)
         checked_scale(self.record.label, self.factor)
         if not np.any(self.record.acceleration):

@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..documents.document import Document
+from ..documents.files import named_after
 from ..errors import UsageError
 from ..motions.records import Record
 from ..spectra.file.reader import SpectraFile
@@ -331,7 +332,7 @@ def _rows(sources: Sequence[Path]) -> Rows:
     if len(sources) == 1:
         return rows_of(str(sources[0]))
     found = [
-        {SOURCE: source.stem, **row}
+        {SOURCE: named_after(source), **row}
         for source in sources
         for row in rows_of(str(source))
     ]

@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, Any
 
 from .. import __version__
 from ..documents.document import Document
+from ..documents.files import whole_text
 from ..documents.quantities import DEFAULT_GRAVITY
 from ..dynamics.outcome import Outcome
 from ..motions.given import AnyMotion, demands_of, motions_of
@@ -374,7 +375,7 @@ def write_page(
         workers=workers,
     )
     with published(Path(target), overwrite) as file:
-        file.write(text.encode())
+        file.write(whole_text(text).encode())
     return found
 
 

@@ -25,6 +25,8 @@ def rows_of(source: str) -> Rows:
         text = text_of(name, raw)
         if text.lstrip().startswith("{"):
             found = [json.loads(line) for line in text.splitlines() if line.strip()]
+            if not all(isinstance(row, dict) for row in found):
+                raise ValueError("a line that is no JSON object")
             rows = [
                 {k: "" if v is None else str(v) for k, v in row.items()}
                 for row in found
@@ -36,7 +38,7 @@ def rows_of(source: str) -> Rows:
                 _in_si(dict(zip(table.headings, cells, strict=True)))
                 for _, cells in table.full_rows()
             ]
-    except (DocumentError, ValueError) as error:
+    except (DocumentError, ValueError, RecursionError) as error:
         raise UsageError(
             f"{source}: neither a spectra file nor CSV ({error})"
         ) from None

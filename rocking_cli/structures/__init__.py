@@ -9,6 +9,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from ..documents.files import named_after
 from ..documents.spreads import NOTED_CUT
 from ..errors import DocumentError, StructureError
 from .kinds import KINDS, build, known_keys, reports_of
@@ -57,7 +58,7 @@ def build_structure(document: Document) -> RockingParameters:
     stem = (
         "structure"
         if document.source.startswith("<")
-        else Path(document.source).stem.replace(",", " ")
+        else named_after(document.source).replace(",", " ")
     )
     name = document.word(
         "name", stem if document.index == 0 else f"{stem}-{document.index + 1}"

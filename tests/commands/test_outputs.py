@@ -196,3 +196,49 @@ def test_python_refuses_a_taken_name_before_anything_is_computed(tmp_path):
         UsageError, match=r"x\.doc: expected a name that ends in .*\.png"
     ):
         draw_structures(documents, tmp_path / "x.doc")
+
+
+@pytest.fixture
+def other_name(tmp_path):
+    """The name of a document that is no UTF-8, as on an old stick."""
+    name = os.fsdecode(b"caf\xe9.yaml")
+    try:
+        (tmp_path / name).write_text("{kind: block, width: 0.5, height: 2}")
+    except (OSError, ValueError):
+        pytest.skip("a file system of UTF-8 alone")
+    return name
+
+
+@pytest.mark.parametrize(
+    ("call", "output"),
+    [
+        ("draw NAME -o OUT", "d.svg"),
+        (f"check NAME {SHAKEN} -o OUT", "c.svg"),
+        (f"report NAME {SHAKEN} -o OUT", "r.html"),
+        ("spectrum NAME --grid a_g=1:2:2,f_g=1:2:2 -o OUT", "s.h5"),
+    ],
+)
+def test_a_name_that_is_no_utf_8_is_written_escaped(
+    rocking, tmp_path, other_name, call, output
+):
+    words = [other_name if word == "NAME" else word for word in call.split()]
+    done = rocking(*[output if word == "OUT" else word for word in words])
+    assert done.returncode in (0, 4), done.stderr
+    assert b"caf\\udce9" in (tmp_path / output).read_bytes()
+
+
+def test_a_backend_that_does_not_exist_is_told(tmp_path):
+    call = ["-m", "rocking_cli", "draw", "block:0.5x2", "-o", "d.svg"]
+    done = subprocess.run(
+        [sys.executable, *call],
+        cwd=tmp_path,
+        env={**os.environ, "MPLBACKEND": "nosuch"},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 2
+    assert "matplotlib cannot start: " in done.stderr
+    assert "'nosuch'" in done.stderr
+    assert "MPLBACKEND" in done.stderr
+    assert "Traceback" not in done.stderr

@@ -32,7 +32,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ...documents.files import LARGEST, STDIN, read_bytes
+from ...documents.files import LARGEST, STDIN, named_after, read_bytes
 from ...errors import DocumentError, NoAcceleration, UsageError
 from ...plugins import blamed, installed
 from . import asdf, plain
@@ -193,11 +193,7 @@ def records_of(
     require_column(column)
     given = Given(None if unit is None else require_known(unit), dt, column, named)
     sha256 = hashlib.sha256(raw).hexdigest()
-    name = (
-        "record"
-        if source == STDIN
-        else Path(Path(source).name.removesuffix(".gz")).stem
-    )
+    name = "record" if source == STDIN else named_after(source.removesuffix(".gz"))
     content = unpacked(source, raw)
     if asdf.recognise(content):
         series = asdf.read(source, content, given, named)

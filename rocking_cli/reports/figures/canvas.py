@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ...documents.files import whole_text
 from ...errors import ArgumentError, OutputError, UsageError
 from ...plugins import require
 from ...publishing import check_target, published
@@ -272,8 +273,10 @@ def _arrange(figure: Figure, form: str, dpi: float) -> None:
 
 
 def literal(text: str) -> str:
-    """Return the text with its dollar signs escaped: it has no formula."""
-    return text.replace("$", r"\$")
+    """Return the text as a font can draw it, with its dollar signs escaped: it has no
+    formula.
+    """
+    return whole_text(text).replace("$", r"\$")
 
 
 def label(column: str, units: Units) -> str:

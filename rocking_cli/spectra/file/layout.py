@@ -16,6 +16,7 @@ import h5py
 import numpy as np
 
 from ... import __version__
+from ...documents.files import whole_text
 from ..dimensions import VARIABLES, Frame, Values, Variable
 
 GZIP_LEVEL = 1  # on these data level 4 takes three times as long and saves 2 %
@@ -144,12 +145,7 @@ class FileLayout:
             **self.attributes,
         }
         for key, value in attributes.items():
-            # HDF5 cannot store bytes that are not UTF-8
-            file.attrs[key] = (
-                value.encode("utf-8", "backslashreplace").decode()
-                if isinstance(value, str)
-                else value
-            )
+            file.attrs[key] = whole_text(value) if isinstance(value, str) else value
 
     def _add_variable(self, file: h5py.File, name: str) -> None:
         """Add a variable of the cells, without chunks."""

@@ -44,6 +44,17 @@ _FAULTS = (
 )
 
 
+# beginnings of the names of attributes that are numbers
+_NUMBERS = (
+    "cells",
+    "run_time",
+    "check_time",
+    "checked_cells",
+    "estimated_error",
+    "tolerance",
+)
+
+
 class SpectraFile(ExitStack[None]):
     """A spectra file, finished or partial, open for reading; a context manager.
 
@@ -60,6 +71,7 @@ class SpectraFile(ExitStack[None]):
     chunk_grid: the grid of chunks
     done: True for each chunk that is there
     attributes: of the root
+    machines: that computed the chunks
     digest: of a finished file, None for a partial file
 
     Examples
@@ -121,8 +133,7 @@ class SpectraFile(ExitStack[None]):
         self.done = tables["chunk_done"][...] == 1
         self._sums = tables["chunk_checksum"][...]
         if self._log is not None:
-            machines = self._log.notes.get("computed_on", [])
-            self.attributes["computed_on"] = json.dumps(machines)
+            self.machines = _machines(self._log.notes.get("computed_on", []))
             chunks = np.arange(self.chunk_grid.size)
             self.done = np.isin(chunks, list(self._log.places))
 
@@ -135,8 +146,14 @@ class SpectraFile(ExitStack[None]):
             key: x.tolist() if isinstance(x, np.generic | np.ndarray) else x
             for key, x in file.attrs.items()
         }
+        for key, value in self.attributes.items():
+            if key.startswith(_NUMBERS) and not isinstance(value, int | float):
+                raise ValueError(f"its {key} is {value!r}, no number")
+        self.machines = _machines(json.loads(self.attributes.get("computed_on", "[]")))
         # identity of the scene
         self.scene: dict[str, Any] = json.loads(self.attributes["scene"])
+        if not isinstance(self.scene["model"], str):
+            raise ValueError("its scene has no model")
         # parameters as stored
         self.structures = tuple(
             RockingParameters.from_row(row) for row in self.scene.get("structures", ())
@@ -151,6 +168,8 @@ class SpectraFile(ExitStack[None]):
         }
         # places of the cells
         self.frame = Frame(dimensions, lists, varied_units(self.structures))
+        # of a spectrum of a pulse
+        self._motion = None if self.frame.of_records else _motion(self.scene["motion"])
         self.names = tuple(name for name in VARIABLES if name in names)
         self.chunk_grid = ChunkGrid(self.frame.shape, outcome.chunks)
         for name in self.names:
@@ -163,11 +182,6 @@ class SpectraFile(ExitStack[None]):
     def complete(self) -> bool:
         """True if every chunk is there and the sweep has finished."""
         return bool(self.done.all()) and self.digest is not None
-
-    @property
-    def machines(self) -> list[dict[str, Any]]:
-        """The machines that computed the chunks."""
-        return list(json.loads(self.attributes.get("computed_on", "[]")))
 
     @property
     def grid(self) -> Grid:
@@ -184,7 +198,7 @@ class SpectraFile(ExitStack[None]):
         """Return the ground motion of a spectrum of a pulse. Raises UsageError for one
         of records.
         """
-        if self.frame.of_records or "vertical" in self.scene:
+        if self._motion is None or "vertical" in self.scene:
             found = (
                 "spectra of records" if self.frame.of_records else "a vertical motion"
             )
@@ -192,16 +206,7 @@ class SpectraFile(ExitStack[None]):
                 f"{self.path}: found {found}; expected the spectrum of a pulse, which"
                 " is horizontal alone"
             )
-        name, pieces = self.scene["motion"]
-        return Motion(
-            name,
-            tuple(
-                Piece(
-                    **{**p, "harmonics": tuple(Harmonic(**h) for h in p["harmonics"])}
-                )
-                for p in pieces
-            ),
-        )
+        return self._motion
 
     def damaged_chunks(self) -> list[int]:
         """Indices of the chunks that are marked done but damaged."""
@@ -410,6 +415,25 @@ def _cell_value(name: str, value: np.generic) -> float | int | str | None:
         return codes(int(value.item())).flag
     number: float | int = value.item()
     return number if np.isfinite(number) else None
+
+
+def _machines(stated: Any) -> list[dict[str, Any]]:
+    """Return the machines that a file states. Raises TypeError, ValueError."""
+    return [dict(machine) for machine in stated]
+
+
+def _motion(stated: Any) -> Motion:
+    """Return the motion that a scene states. Raises TypeError, ValueError, KeyError."""
+    name, pieces = stated
+    if not isinstance(name, str):
+        raise ValueError("its motion has no name")
+    return Motion(
+        name,
+        tuple(
+            Piece(**{**p, "harmonics": tuple(Harmonic(**h) for h in p["harmonics"])})
+            for p in pieces
+        ),
+    )
 
 
 def _values(data: h5py.Dataset) -> Values:

@@ -2,6 +2,7 @@
 refused in one sentence.
 """
 
+import json
 import shutil
 from pathlib import Path
 
@@ -56,6 +57,17 @@ def uncut(file):
         dimension.attach_scale(file[scale])
 
 
+def attribute(name, value):
+    return lambda file: file.attrs.__setitem__(name, value)
+
+
+def scene(**changed):
+    def edit(file):
+        file.attrs["scene"] = json.dumps(json.loads(file.attrs["scene"]) | changed)
+
+    return edit
+
+
 HOSTILE = {
     "a virtual dataset": (virtual, "its p is stored in another file"),
     "values of another file": (external, "its chunk_done is stored in another file"),
@@ -70,6 +82,15 @@ HOSTILE = {
     "chunks of another shape": (uncut, "does not fit its axes"),
     "no axis": (lambda file: file.__delitem__("A"), "scales"),
     "no scene": (lambda file: file.attrs.__delitem__("scene"), "scene"),
+    "machines that are no JSON": (attribute("computed_on", "x"), "Expecting value"),
+    "machines that are none": (attribute("computed_on", "[3]"), "not iterable"),
+    "a run time in words": (attribute("run_time", "long"), "its run_time is 'long'"),
+    "an empty scene": (attribute("scene", "{}"), "it has no 'model'"),
+    "a scene that is a list": (attribute("scene", "[1]"), "list indices"),
+    "no motion": (scene(motion=None), "NoneType"),
+    "a motion of pieces that are none": (scene(motion=["sine", [3]]), "mapping"),
+    "a motion without a name": (scene(motion=[3, []]), "its motion has no name"),
+    "no structures": (scene(structures=[{}]), "structure"),
 }
 
 
