@@ -89,7 +89,9 @@ def check_target(path: Path, overwrite: bool, suffixes: tuple[str, ...] = ()) ->
             # there a file that is read-only, or open elsewhere, cannot be replaced
             open(target, "r+b").close()
     except OSError as error:
-        raise UsageError(f"{path}: cannot be written: {error.strerror}") from None
+        raise UsageError(
+            f"{path}: cannot be written: {error.strerror or error}"
+        ) from None
     if os.path.lexists(target) and not overwrite:
         raise UsageError(f"{path}: exists; use `overwrite` to replace it")
 

@@ -15,7 +15,7 @@ DEEPEST = 20  # levels of nested lists and mappings
 _UNSPACED = re.compile(r"(?:\s*-)?\s*([A-Za-z_]\w*):([^\s:/\\,][^\s,]*)")
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, slots=True)
 class Place:
     """The place of a key or a value."""
 
@@ -27,7 +27,7 @@ class Place:
         return f"{self.source}:{self.line}:{self.column}" if self.line else self.source
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, slots=True)
 class Value:
     """The text of a scalar, a list of values, or a mapping."""
 

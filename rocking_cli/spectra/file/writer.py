@@ -78,7 +78,7 @@ class SpectraWriter:
                 raise
         except OSError as error:
             raise OutputError(
-                f"{self.part}: cannot be written: {error.strerror}"
+                f"{self.part}: cannot be written: {error.strerror or error}"
             ) from None
         except ValueError as error:
             raise OutputError(
@@ -184,7 +184,7 @@ class SpectraWriter:
                 else ""
             )
             raise OutputError(
-                f"{self.part}: cannot be written: {error.strerror}{kept}"
+                f"{self.part}: cannot be written: {error.strerror or error}{kept}"
             ) from None
         self.done[index] = True
 
