@@ -7,6 +7,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from oracles.collocation import Body, Edge, integrate
+from support.bodies import shaking_of
 from support.documents import built
 from support.synthetic_records import motion_of_samples, noise
 
@@ -14,6 +16,7 @@ from rocking_cli import (
     Axis,
     Grid,
     Outcome,
+    Record,
     parse_grid,
     pulse,
     sine,
@@ -139,6 +142,29 @@ def test_forces_under_a_record_are_those_of_its_history(a_g, falls, at_lambda):
     assert verdict.falls == falls
     assert (verdict.friction_needed, verdict.fz_min) == pytest.approx(
         (shown.friction.friction, shown.fz_min), rel=1e-9
+    )
+
+
+@pytest.mark.parametrize(
+    ("width", "step", "a_g", "falls"),
+    [(0.5, 2e-4, 4.0, False), (0.5, 5e-4, 14.0, True), (8.0, 1e-3, 6.0, False)],
+)
+def test_records_of_a_shaking_table_against_an_integration(width, step, a_g, falls):
+    """At 1 to 5 kHz the steps are so short that few terms of a series are enough."""
+    body = built(f"kind: block\nwidth: {width}\nheight: {4.0 * width}")
+    t = step * np.arange(round(0.8 / step))
+    record = Record.of(a_g * np.sin(2.0 * np.pi * t / 0.4), step)
+    found = check(body, record, a_max=None)
+    amplitude = float(body.dimensionless_amplitude(found.demand_a))
+    edge = Edge(body.p, body.alpha, body.eta)
+    wanted = integrate(
+        Body(edge, edge, nonlinear=True),
+        shaking_of(body, record.motion, amplitude, 1.0 / body.p),
+    )
+    assert found.outcome.flag == wanted.outcome
+    assert found.falls == falls
+    assert falls or found.theta_ratio == pytest.approx(
+        wanted.rotation, rel=1e-9, abs=1e-12
     )
 
 

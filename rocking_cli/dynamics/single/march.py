@@ -172,7 +172,8 @@ class _March(MarchState):
 
     @staticmethod
     def _may_turn(terms: list[float], speed: float) -> bool:
-        """True if the body may turn inwards in a step; speed: h y' at its end.
+        """True if the body may turn inwards in a step; speed: h y' at its end, or at an
+        earlier impact.
 
         h y' leaves its chord by at most n (n - 1)(n - 2)/8 of term n.
         """
@@ -388,19 +389,9 @@ class _March(MarchState):
         """
         if not self.watched:
             return
-        start, stop = terms[1], v * h
-
-        # No turn: h y' keeps its sign. It leaves its chord by at most h^2/8 of its
-        # second derivative, most of it from the first terms.
-        if not start > 0.0 >= stop:
-            chord_error = (
-                1.5 * abs(terms[3])
-                + 6.0 * abs(terms[4])
-                + 15.0 * abs(terms[5])
-                + 30.0 * abs(terms[6])
-            )
-            if min(abs(start), abs(stop)) >= chord_error:
-                return
+        # No turn: h y' keeps its sign.
+        if not self._may_turn(terms, v * h):
+            return
 
         # No turn of interest: the step stays below the peak so far.
         highest = self._onto_first(terms[0] + sum(map(abs, terms[1:])))
