@@ -76,14 +76,14 @@ def _package(entry: EntryPoint) -> str:
 def blamed(
     entry: EntryPoint, error_of: Callable[[str], RockingError]
 ) -> Iterator[None]:
-    """Turn an error or exit of a package's code into `error_of` of a sentence that
-    names the package; RockingErrors pass unchanged.
+    """Turn whatever a package's code raises into `error_of` of a sentence that names
+    the package; RockingErrors and Ctrl-C pass unchanged.
     """
     try:
         yield
-    except RockingError:
+    except (RockingError, KeyboardInterrupt):
         raise
-    except (Exception, SystemExit) as error:
+    except BaseException as error:
         raise error_of(
             f"{entry.name}, which {_package(entry)} adds and which cannot be used:"
             f" {_in_one_line(error)}"

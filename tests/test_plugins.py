@@ -23,6 +23,12 @@ def long():
 def empty():
     raise RecursionError
 
+class Abort(BaseException):
+    pass
+
+def abort():
+    raise Abort("no licence")
+
 def told():
     from rocking_cli import MotionError
     raise MotionError("gabor: cycles is 0")
@@ -38,6 +44,7 @@ def told():
         ),
         ("long", "ValueError: one line another line"),
         ("empty", "RecursionError"),
+        ("abort", "Abort: no licence"),
         ("nothing", "AttributeError: module 'rocking_odd' has no attribute 'nothing'"),
         ("told", "gabor: cycles is 0"),
     ],
@@ -79,3 +86,15 @@ def test_a_list_of_entry_points_that_cannot_be_read_is_told(
     done = rocking(*call.split())
     assert (done.returncode, done.stdout) == (2, "")
     assert "the package of-odd: its entry_points.txt cannot be read" in done.stderr
+
+
+def test_whatever_a_kind_of_a_package_raises_is_told(
+    monkeypatch, tmp_path, rocking
+):
+    source = "class Abort(BaseException):\n    pass\n\nraise Abort('no licence')\n"
+    install(monkeypatch, tmp_path, "rocking.structures", "odd", source)
+    done = rocking("params", "{kind: odd, width: 1}")
+    assert (done.returncode, done.stdout) == (3, "")
+    assert "found odd, which the package of-odd adds" in done.stderr
+    assert "Abort: no licence" in done.stderr
+    assert rocking("params", "odd:1x2").returncode in (2, 3)

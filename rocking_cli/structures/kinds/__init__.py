@@ -170,10 +170,7 @@ def reports_of(word: str) -> Sequence[str]:
     """Return the keys of the details that a kind reports; empty for an unknown kind and
     for a package that does not load.
     """
-    try:
-        return tuple(_module(word).REPORTS)
-    except (Exception, SystemExit):
-        return ()
+    return _listed(word, "REPORTS") or ()
 
 
 def sizes_of(word: str) -> Sequence[str] | None:
@@ -182,9 +179,18 @@ def sizes_of(word: str) -> Sequence[str] | None:
     """
     if word not in KINDS and word not in installed(GROUP):
         return None
+    return _listed(word, "SIZES")
+
+
+def _listed(word: str, name: str) -> Sequence[str] | None:
+    """Return the keys that the module of a kind lists under `name`; None for an unknown
+    kind and for a package that does not load.
+    """
     try:
-        return tuple(getattr(_module(word), "SIZES", ()))
-    except (Exception, SystemExit):
+        return tuple(getattr(_module(word), name, ()))
+    except KeyboardInterrupt:
+        raise
+    except BaseException:  # of the code of a package
         return None
 
 
