@@ -5,9 +5,10 @@ The package itself calls its functions directly; only those that `import rocking
 offers are checked.
 """
 
+import os
 import types
 import typing
-from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import cache, wraps
 from inspect import Parameter, Signature, signature
 from itertools import islice
@@ -15,7 +16,7 @@ from numbers import Integral, Real
 from pathlib import Path
 from typing import Any
 
-from .errors import ArgumentError, RockingError, counted, did_you_mean
+from .errors import ArgumentError, counted, did_you_mean
 
 _MOST_ITEMS = 10_000  # number of items of a list that are checked
 # The functions that return what another one takes.
@@ -60,7 +61,8 @@ def checked(
             bound = of.bind(*args, **kwargs)
         except TypeError as error:
             raise ArgumentError(f"{name}: {_in_words(str(error), of)}") from None
-        for argument, value in bound.arguments.items():
+        for argument, given in bound.arguments.items():
+            value = bound.arguments[argument] = _kept(given, hints().get(argument))
             kind = of.parameters[argument].kind
             needed = of.parameters[argument].default is Parameter.empty
             if kind is Parameter.VAR_KEYWORD:
@@ -82,12 +84,7 @@ def checked(
                         f"{name}: `{argument}`: found an empty {type(value).__name__};"
                         f" expected {_wanted(hint)}"
                     )
-        try:
-            return function(*args, **kwargs)
-        except RockingError:
-            raise
-        except ValueError as error:
-            raise ArgumentError(f"{name}: {error}") from error
+        return function(*bound.args, **bound.kwargs)
 
     wrapper.__module__, wrapper.__qualname__ = package, name
     return wrapper
@@ -146,6 +143,14 @@ def _check_keywords(name: str, hint: Any, given: Mapping[str, Any]) -> None:
             _check(name, argument, hint, value)
 
 
+def _kept(value: Any, hint: Any) -> Any:
+    """Return the list of what can be gone through only once, where a list may stand;
+    any other value as it is.
+    """
+    once = isinstance(value, Iterator) and any(map(_is_list, _options(hint)))
+    return list(value) if once else value
+
+
 def _check(name: str, argument: str, hint: Any, value: Any) -> None:
     if not _fits(value, hint):
         raise ArgumentError(
@@ -189,6 +194,8 @@ def _is_list(hint: Any) -> bool:
 def _fits(value: Any, hint: Any) -> bool:
     """True if a value may stand where the annotation is `hint`."""
     origin, inner = typing.get_origin(hint), typing.get_args(hint)
+    if isinstance(value, str | Path) and _wrong_character(str(value)):
+        return False
     if hint is Any or isinstance(hint, typing.TypeVar | str):
         return True
     if len(options := _options(hint)) > 1:
@@ -219,9 +226,8 @@ def _fits(value: Any, hint: Any) -> bool:
             if not part.startswith("_")
         )
     if hint in (float, int):
-        return isinstance(
-            value, Real if hint is float else Integral
-        ) and not isinstance(value, bool)
+        number = isinstance(value, Real if hint is float else Integral)
+        return number and not isinstance(value, bool) and not _is_too_large(value)
     if getattr(hint, "__name__", "") == "ndarray":
         return _is_numeric(value)
     return isinstance(value, hint) if isinstance(hint, type) else True
@@ -237,12 +243,30 @@ def _fits_list(value: Any, inner: Any) -> bool:
         return False
     if inner in (float, int):
         return _is_numeric(value)
-    if not isinstance(value, Collection):  # it can be gone through only once
-        return True
     try:
         return all(_fits(one, inner) for one in islice(value, _MOST_ITEMS))
     except TypeError:  # an array without a dimension
         return False
+
+
+def _is_too_large(value: Any) -> bool:
+    """True for a number beyond the range of double precision."""
+    try:
+        float(value)
+    except OverflowError:
+        return True
+    return False
+
+
+def _wrong_character(text: str) -> str:
+    """Return what no name of a file and no document holds, in words; empty without."""
+    if "\0" in text:
+        return "a NUL character"
+    try:
+        os.fsencode(text)
+    except UnicodeEncodeError:
+        return "half a character (a lone surrogate)"
+    return ""
 
 
 def _is_numeric(value: Any) -> bool:
@@ -257,12 +281,15 @@ def _is_numeric(value: Any) -> bool:
 
 def _found(value: Any, hint: Any) -> str:
     """Return what was given, in words."""
+    if isinstance(value, str | Path) and (character := _wrong_character(str(value))):
+        return f"a text with {character}"
     if isinstance(value, str):
         return f"the text {value[:60]!r}"
     if value is None or isinstance(value, bool):
         return repr(value)
     if isinstance(value, Real):
-        return f"the number {value}"
+        large = _is_too_large(value)
+        return "a number beyond double precision" if large else f"the number {value}"
     if isinstance(value, type):
         return f"the class {value.__name__}"
     if isinstance(value, list | tuple):
@@ -300,6 +327,8 @@ def _found(value: Any, hint: Any) -> str:
 
 def _wanted(hint: Any) -> str:
     """Return what fits an annotation, in words."""
+    if hint is Any:
+        return "another value"
     options = _options(hint)
     if {str, Path} <= set(options):
         rest = [one for one in options if one not in (str, Path)]

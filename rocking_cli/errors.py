@@ -42,11 +42,12 @@ class UsageError(RockingError):
 
 
 class ArgumentError(UsageError, TypeError, ValueError):
-    """An argument of another type or value than a public function takes.
+    """An argument of another type or value than a function or a class takes.
 
     Every function that `import rocking_cli` offers raises it, also for an argument too
     many or too few. It is a `UsageError`, and a TypeError and ValueError of Python.
-    Exit code 2.
+    Exit code 2. The package catches it where it can name the document too; another
+    ValueError is a fault of the package, and is caught nowhere.
 
     Examples
     --------

@@ -3,6 +3,7 @@ names the argument.
 """
 
 import inspect
+import io
 import pickle
 from pathlib import Path
 
@@ -89,8 +90,22 @@ WRONG = [
     object(),
     np.array([1, 2]),
     np.array(1),
+    np.array([1.0, 2.0, 3.0]),
+    np.ones((2, 2)),
     {1},
+    10**400,
+    -(10**400),
+    [10**400],
+    "a\0b",
+    "\ud800",
+    "x" * 5000,
+    [io.StringIO("x")],
 ]
+
+
+def wrong_values():
+    """Fresh ones, since a generator can be gone through only once."""
+    return [*WRONG, (x for x in ()), (x for x in [1]), [iter([1])]]
 
 
 @pytest.mark.parametrize("name", FUNCTIONS)
@@ -111,7 +126,7 @@ def test_a_wrong_argument_is_told_in_one_sentence(
             continue
         told = [
             str(error)
-            for wrong in WRONG
+            for wrong in wrong_values()
             if (error := raised(function, RIGHT, needed, {one.name: wrong})) is not None
         ]
         assert told, one.name

@@ -88,9 +88,7 @@ def test_a_list_of_entry_points_that_cannot_be_read_is_told(
     assert "the package of-odd: its entry_points.txt cannot be read" in done.stderr
 
 
-def test_whatever_a_kind_of_a_package_raises_is_told(
-    monkeypatch, tmp_path, rocking
-):
+def test_whatever_a_kind_of_a_package_raises_is_told(monkeypatch, tmp_path, rocking):
     source = "class Abort(BaseException):\n    pass\n\nraise Abort('no licence')\n"
     install(monkeypatch, tmp_path, "rocking.structures", "odd", source)
     done = rocking("params", "{kind: odd, width: 1}")

@@ -38,6 +38,7 @@ def compare(
     (Fig. 7): peaks, and quarter periods of free rocking from 0.3, 0.6 and 0.9 alpha.
     """
     from ..dynamics.method import direction_in_words
+    from ..errors import StructureError
     from ..responses import comparison
     from ..responses.sliding import stuck_in_words
 
@@ -49,7 +50,7 @@ def compare(
     if eta is not None:
         try:
             structures = [s.with_restitution(eta) for s in structures]
-        except ValueError as error:
+        except StructureError as error:
             raise click.UsageError(f"--eta: {error}") from None
     methods = model.methods(structures, shaken.grid.dimensionless)
     responses = comparison.compare(structures, shaken.motion, shaken.grid, methods)

@@ -12,9 +12,10 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from ..errors import ArgumentError
 from . import options
 from .command import flag, option
-from .parameter_types import InputPath, Registered, quantity
+from .parameter_types import NUMBER, InputPath, Registered, quantity
 
 if TYPE_CHECKING:
     import numpy as np
@@ -184,7 +185,9 @@ class FragilityOptions:
         from ..fragility.study import METHODS
 
         def method(word: str) -> str:
-            return METHODS[METHODS.index(word)]
+            if word not in METHODS:
+                raise ArgumentError(word)
+            return word
 
         found = _each("--method", self.methods, method, ", ".join(METHODS))
         return list(dict.fromkeys(found))
@@ -205,13 +208,13 @@ def _each(
     flag: str, text: str, read: Callable[[str], Any], expected: str = ""
 ) -> list[Any]:
     """Return read(word) for each word between commas. Raises UsageError, which names
-    `expected`, if read raises ValueError.
+    `expected`, if read raises ArgumentError.
     """
     found: list[Any] = []
     for part in map(str.strip, text.split(",")):
         try:
             found.append(read(part))
-        except ValueError as error:
+        except ArgumentError as error:
             raise click.UsageError(
                 f"{flag}: found {part!r}; expected {expected or error}"
             ) from None
@@ -220,14 +223,14 @@ def _each(
 
 def _limit(text: str) -> float | None:
     """Return the limit state that a text states: a value of |theta|/alpha, None for
-    overturning, or a displacement such as slide=50mm. Raises ValueError, UsageError.
+    overturning, or a displacement such as slide=50mm. Raises UsageError.
     """
     if text.startswith("slide"):
         from ..fragility.fitted_curve import SlideLimit
         from ..responses.sliding import parse_slide
 
         return SlideLimit(parse_slide("--limit", text, "slide=LENGTH"))
-    value = None if text == "overturning" else float(text)
+    value = None if text == "overturning" else NUMBER.read(text)
     if value is not None and not 0.0 < value < 1e3:
-        raise ValueError
+        raise ArgumentError(text)
     return value

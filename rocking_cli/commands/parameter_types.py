@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 from click.shell_completion import CompletionItem
 
-from ..errors import RockingError, UsageError
+from ..errors import ArgumentError, RockingError, UsageError
 
 if TYPE_CHECKING:
     from ..envelopes.amplitudes import Limit
@@ -133,8 +133,8 @@ def _given_files(ctx: click.Context) -> list[str]:
 
 
 class Parsed(click.ParamType):
-    """A value that a function reads from its text; the function raises ValueError with
-    the texts that it accepts.
+    """A value that a function reads from its text; the function raises ArgumentError
+    with the texts that it accepts.
     """
 
     def __init__(self, name: str, read: Callable[[str], Any]) -> None:
@@ -145,7 +145,7 @@ class Parsed(click.ParamType):
     ) -> Any:
         try:
             return self.read(str(value))
-        except ValueError as error:
+        except ArgumentError as error:
             raise UsageError(
                 f"{param.opts[-1] if param else self.name}: found {value!r}; expected"
                 f" {error}"
@@ -167,11 +167,11 @@ def quantity(dimension: str) -> Parsed:
 
 def restitution(text: str) -> float | None:
     """Return the restitution of a text: a number from 0 to 1, or None for `block`,
-    which is 1 - 3/2 sin^2 alpha. Raises ValueError.
+    which is 1 - 3/2 sin^2 alpha. Raises ArgumentError.
     """
     value = None if text == "block" else NUMBER.read(text)
     if value is not None and not 0.0 <= value <= 1.0:
-        raise ValueError("a number from 0 to 1, or block")
+        raise ArgumentError("a number from 0 to 1, or block")
     return value
 
 
@@ -180,15 +180,15 @@ NUMBER = quantity("number")
 
 def limit(text: str) -> "Limit":
     """Return the amplitude of a text: `20` is A, `1g` and `5 m/s2` are accelerations.
-    Raises ValueError.
+    Raises ArgumentError.
     """
     from ..documents.quantities import parse_quantity
     from ..envelopes.amplitudes import Limit
 
     for dimension in ("number", "acceleration"):
-        with suppress(ValueError):
+        with suppress(ArgumentError):
             return Limit(parse_quantity(text, dimension), dimension == "acceleration")
-    raise ValueError("a number A, or an acceleration with a unit, such as 1g")
+    raise ArgumentError("a number A, or an acceleration with a unit, such as 1g")
 
 
 STATION = "station"

@@ -13,7 +13,7 @@ import re
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, field, replace
 
-from ..errors import DocumentError, did_you_mean
+from ..errors import ArgumentError, DocumentError, did_you_mean
 from .composition import Place, Value
 from .quantities import (
     FACTORS,
@@ -220,7 +220,7 @@ class Document:
             if is_spread(value.content):
                 spread = parse_spread(value.content, dimension)
             number = spread.mean if spread else parse_quantity(value.content, dimension)
-        except ValueError as error:
+        except ArgumentError as error:
             raise self.fault(key, str(value), str(error)) from None
         if dimension == "length" and is_bare(value.content):
             self.note_bare(key, number, value.place)
@@ -456,13 +456,10 @@ class Document:
             if the value is no such list
         """
         if isinstance(value.content, list) and len(value.content) == 2:
+            texts = [str(v.content) for v in value.content]
             try:
-                first, second = (
-                    parse_quantity(v.content, dimension)
-                    for v in value.content
-                    if isinstance(v.content, str)
-                )
-            except ValueError:
+                first, second = (parse_quantity(text, dimension) for text in texts)
+            except ArgumentError:
                 pass
             else:
                 for i, (v, number) in enumerate(

@@ -88,6 +88,11 @@ def _compose_yaml(text: str, source: str, first: int = 0) -> list[yaml.Node]:
         composer = _Composer(text, source, first)
         while composer.check_node():
             nodes.append(composer.compose_document())
+    except (ValueError, OverflowError):  # of chr(): \UFFFFFFFF
+        place = Place(source, composer.line + 1, composer.column + 1)
+        raise DocumentError(
+            f"{place}: not valid YAML: an escape of no character"
+        ) from None
     except yaml.MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
         place = (

@@ -136,10 +136,10 @@ def _only_node(text: str, place: Place) -> yaml.Node | None:
     from .nodes import compose
 
     try:
-        (node,) = compose(text, place.source, place.line - 1)
-    except (DocumentError, ValueError):
+        nodes = compose(text, place.source, place.line - 1)
+    except DocumentError:
         return None
-    return node
+    return nodes[0] if len(nodes) == 1 else None
 
 
 def _document(node: yaml.Node, source: str, index: int) -> Document:

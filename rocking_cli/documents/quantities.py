@@ -5,7 +5,7 @@ is in SI units.
 import math
 import re
 
-from ..errors import RockingError, UsageError
+from ..errors import ArgumentError, RockingError, UsageError
 
 # m/s^2: the unit `g`, and the default gravity of a structure. The paper uses it, not
 # standard gravity (9.80665).
@@ -94,18 +94,20 @@ def unit_of(text: str) -> str:
 
 
 def parse_quantity(text: str, dimension: str) -> float:
-    """Return the SI value of a finite quantity. Raises ValueError, whose text states
+    """Return the SI value of a finite quantity. Raises ArgumentError, whose text states
     the accepted values.
     """
     parts = split_quantity(text)
     if parts is None or (parts[1] and parts[1] not in UNITS[dimension]):
-        raise ValueError(accepted(dimension) + with_a_point(text))
+        raise ArgumentError(accepted(dimension) + with_a_point(text))
     number, unit = parts
     value = number * (UNITS[dimension][unit] if unit else 1.0)
     if not math.isfinite(value):
-        raise ValueError(f"{accepted(dimension)}, within the range of double precision")
+        raise ArgumentError(
+            f"{accepted(dimension)}, within the range of double precision"
+        )
     if dimension == "length" and abs(value) > LARGEST_LENGTH:
-        raise ValueError(f"{accepted(dimension)}, up to {LARGEST_LENGTH:g} m")
+        raise ArgumentError(f"{accepted(dimension)}, up to {LARGEST_LENGTH:g} m")
     return value
 
 
@@ -144,7 +146,7 @@ def quantity_at(
     """
     try:
         return parse_quantity(text, dimension)
-    except ValueError as error:
+    except ArgumentError as error:
         raise fault(f"{place}: found {text!r}; expected {error}{hint}") from None
 
 

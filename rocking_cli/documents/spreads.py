@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from ..errors import ArgumentError
 from .quantities import UNITS, accepted, parse_quantity, split_quantity, unit_of
 
 if TYPE_CHECKING:
@@ -140,7 +141,7 @@ def parse_spread(text: str, dimension: str) -> Spread:
 
     Raises
     ------
-    ValueError
+    ArgumentError
         if the text states no spread of this dimension; its text states the accepted
         forms
 
@@ -151,21 +152,21 @@ def parse_spread(text: str, dimension: str) -> Spread:
     """
     plain = text.replace("±", "+-")
     if "..." in plain:
-        raise ValueError(FORMS)
+        raise ArgumentError(FORMS)
     for mark in ("+-", ".."):
         parts = [part.strip() for part in plain.split(mark)]
         if len(parts) == 1:
             continue
         if len(parts) != 2 or not all(parts) or is_spread(parts[0] + parts[1]):
-            raise ValueError(FORMS)
+            raise ArgumentError(FORMS)
         read = _normal if mark == "+-" else _uniform
         return read(parts[0], parts[1], dimension)
-    raise ValueError(FORMS)
+    raise ArgumentError(FORMS)
 
 
 def _normal(mean: str, sd: str, dimension: str) -> Spread:
     """Return a normal spread from the texts of its mean and its standard deviation,
-    which may be in % of the mean. Raises ValueError.
+    which may be in % of the mean. Raises ArgumentError.
     """
     middle = parse_quantity(mean, dimension)
     percent = split_quantity(sd)
@@ -174,14 +175,14 @@ def _normal(mean: str, sd: str, dimension: str) -> Spread:
     else:
         middle, width = _in_one_unit(mean, sd, dimension)
     if width < 0.0:
-        raise ValueError(f"{FORMS}; a standard deviation is not negative")
+        raise ArgumentError(f"{FORMS}; a standard deviation is not negative")
     return Spread("normal", middle, width)
 
 
 def _uniform(low: str, high: str, dimension: str) -> Spread:
     least, most = _in_one_unit(low, high, dimension)
     if least > most:
-        raise ValueError(f"LOW .. HIGH with the lower bound first: {high} .. {low}")
+        raise ArgumentError(f"LOW .. HIGH with the lower bound first: {high} .. {low}")
     return Spread("uniform", least, most)
 
 
@@ -196,8 +197,8 @@ def _in_one_unit(first: str, second: str, dimension: str) -> tuple[float, float]
         )
     try:
         return parse_quantity(first, dimension), parse_quantity(second, dimension)
-    except ValueError:
-        raise ValueError(f"{FORMS}, each {accepted(dimension)}") from None
+    except ArgumentError:
+        raise ArgumentError(f"{FORMS}, each {accepted(dimension)}") from None
 
 
 def has_no_unit(text: str) -> bool:

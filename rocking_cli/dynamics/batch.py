@@ -93,7 +93,7 @@ class Batch(NamedTuple):
         first: Array | None = None,
     ) -> Self:
         """The batch of cells (A, Omega, eta), each (cells,), under a motion. Raises
-        ValueError when an eta does not fit the contact.
+        ArgumentError when an eta does not fit the contact.
         """
         equation, shaken = system.equation, len(segments)
         cells = system.contact.cells(equation, amplitude, omega, eta)

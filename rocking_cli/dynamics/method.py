@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, cast
 
 import numpy as np
 
-from ..errors import UsageError, did_you_mean
+from ..errors import ArgumentError, StructureError, UsageError, did_you_mean
 from ..structures.parameters import RockingParameters, Side
 from .body import Body
 from .contacts.contact import (
@@ -40,7 +40,7 @@ class EquationKind(NamedTuple):
     model: str  # the word of `--model` and of files
     # returns True for a structure for which the equation holds
     serves: Callable[[RockingParameters], bool]
-    # returns the equation of a structure at a tolerance, raises ValueError
+    # returns the equation of a structure at a tolerance, raises ArgumentError
     build: Callable[[RockingParameters, float], Equation]
     # returns the numbers, besides restitution and damping, that structures must have in
     # common to share a dimensionless computation
@@ -164,7 +164,7 @@ class Method:
             )
         try:
             order_for(self.tolerance)
-        except ValueError as error:
+        except ArgumentError as error:
             raise UsageError(str(error)) from None
 
     @property
@@ -266,7 +266,7 @@ class Method:
                 if devices is None
                 else system._replace(devices=devices, body=None)
             )
-        except ValueError as error:
+        except (ArgumentError, StructureError) as error:
             raise UsageError(f"{structure.name}: {error}") from None
 
     def system_of_cells(

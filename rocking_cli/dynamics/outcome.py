@@ -204,7 +204,7 @@ def _found_in(table: Any, codes: Any) -> Any:
     """
     try:
         return table[codes]
-    except IndexError:
+    except (IndexError, ValueError):
         raise UsageError(
             f"`codes`: found {str(codes)[:60]!r}; expected codes of Outcome, 0 to"
             f" {len(table) - 1}"

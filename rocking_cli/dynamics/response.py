@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from ..errors import UsageError, counted, did_you_mean
+from ..errors import ArgumentError, UsageError, counted, did_you_mean
 from ..motions.given import AnyMotion, motion_from
 from ..motions.motion import Motion
 from ..motions.segments import Chain
@@ -153,7 +153,7 @@ def response(
     Raises
     ------
     ArgumentError
-        for a number out of range (ValueError inside the package)
+        for a number out of range
 
     Notes
     -----
@@ -171,9 +171,9 @@ def response(
     motion = motion_from(motion)
     shape, cells = _flat(amplitude, omega, eta)
     if not (np.all(np.isfinite(cells[0])) and np.all(cells[0] >= 0.0)):
-        raise ValueError("amplitude must be finite and not negative")
+        raise ArgumentError("amplitude must be finite and not negative")
     if not (np.all(np.isfinite(cells[1])) and np.all(cells[1] > 0.0)):
-        raise ValueError("omega must be positive and finite")
+        raise ArgumentError("omega must be positive and finite")
     if how not in WAYS:
         raise UsageError(
             f"`how`: found {how!r}; expected"
@@ -241,10 +241,18 @@ def _one_by_one(
 
 
 def _flat(*numbers: Array | float) -> tuple[tuple[int, ...], Cells]:
-    """(shape, flat cells) of A, Omega and eta broadcast against each other."""
-    amplitude, omega, eta = np.broadcast_arrays(
-        *(np.asarray(x, dtype=float) for x in numbers)
-    )
+    """(shape, flat cells) of A, Omega and eta broadcast against each other. Raises
+    ArgumentError for shapes that do not fit.
+    """
+    arrays = [np.asarray(x, dtype=float) for x in numbers]
+    try:
+        amplitude, omega, eta = np.broadcast_arrays(*arrays)
+    except ValueError:
+        shapes = ", ".join(str(x.shape) for x in arrays)
+        raise ArgumentError(
+            f"`amplitude`, `omega`, `eta`: found the shapes {shapes}; expected shapes"
+            " that NumPy broadcasts against each other"
+        ) from None
     return amplitude.shape, (amplitude.ravel(), omega.ravel(), eta.ravel())
 
 

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from ..errors import UsageError
+from ..errors import ArgumentError, UsageError
 from ..motions.motion import Motion
 from ..motions.segments import Segments
 from .body import Body, safe_acceleration
@@ -85,7 +85,7 @@ class System(NamedTuple):
 
         Raises
         ------
-        ValueError
+        ArgumentError
             for a motion with a vertical part if `scale` is None
         UsageError
             for such a motion of weights without mass, which do not follow it
@@ -99,7 +99,7 @@ class System(NamedTuple):
                 " part, or loads of inertia both or vertical"
             )
         if self.scale is None:
-            raise ValueError(
+            raise ArgumentError(
                 "a vertical motion needs the scale of A: the ground acceleration over g"
                 " of A = 1"
             )

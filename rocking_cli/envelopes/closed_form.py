@@ -15,6 +15,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from scipy.optimize import brentq
 
+from ..errors import ArgumentError
 from ..showing import html_table
 
 # amplitudes at which the margin's sign is computed, between initiation and the
@@ -58,11 +59,13 @@ def no_impact_amplitude(omega: float, pulse: str = "sine") -> float:
     """A from which a body overturns without impact under one of PULSES.
 
     sine: sqrt(A^2-1) - Omega - A exp(-T) = 0; half-sine: sqrt(A^2-1) - Omega + A
-    exp(-(pi-psi)/Omega) = 0; rectangular: A = 1/(1 - exp(-p t_d)). Raises ValueError
+    exp(-(pi-psi)/Omega) = 0; rectangular: A = 1/(1 - exp(-p t_d)). Raises ArgumentError
     for another pulse.
     """
     if pulse not in PULSES:
-        raise ValueError(f"found pulse {pulse!r}; expected one of {', '.join(PULSES)}")
+        raise ArgumentError(
+            f"found pulse {pulse!r}; expected one of {', '.join(PULSES)}"
+        )
     if pulse == "rectangular":
         return -1.0 / math.expm1(-2.0 * math.pi / omega)
     sign, end = (-1.0, 2.0 * math.pi) if pulse == "sine" else (1.0, math.pi)
@@ -306,9 +309,11 @@ def closed_form_curves(
     after_impact_lower 1.40357
     after_impact_upper 3.48466
     """
-    frequencies = [float(omega) for omega in np.atleast_1d(omegas)]
+    if not 0.0 <= eta <= 1.0:
+        raise ArgumentError(f"`eta`: found {eta:g}; expected a number from 0 to 1")
+    frequencies = [float(omega) for omega in np.ravel(omegas)]
     if not all(0.0 < omega < math.inf for omega in frequencies):
-        raise ValueError(
+        raise ArgumentError(
             "found omegas that are not positive and finite; expected positive numbers"
         )
     rows = [

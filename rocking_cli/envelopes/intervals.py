@@ -147,7 +147,9 @@ def trace_envelope(
     """
     structure = structure_from(structure)
     motion, method = motion_from(motion), Method.of(method)
-    omegas = np.atleast_1d(np.asarray(omegas, dtype=float))
+    omegas = np.ravel(np.asarray(omegas, dtype=float))
+    if not omegas.size:
+        raise UsageError("`omegas`: found no numbers; expected one or more")
     if (
         motion.acceleration is not None
         and not structure.dimensionless

@@ -1,10 +1,11 @@
 """Fits of fragility curves to data that support one; `estimates` has the methods."""
 
 from dataclasses import asdict, dataclass
+from typing import Any
 
 import numpy as np
 
-from ..errors import UsageError, counted
+from ..errors import ArgumentError, UsageError, counted
 from ..showing import Shown
 from .estimates import MOST, Estimate, cloud, first_overturning, stripes
 
@@ -123,6 +124,16 @@ def fit_cells(x: Array, n: Array, z: Array) -> Curve:
     )
 
 
+def _require_one_shape(**given: Any) -> None:
+    """Raise ArgumentError unless the arrays that are given have one dimension and one
+    length.
+    """
+    shapes = {name: np.shape(x) for name, x in given.items() if x is not None}
+    if len({*shapes.values()}) > 1 or len(next(iter(shapes.values()))) != 1:
+        found = ", ".join(f"{name} of the shape {x}" for name, x in shapes.items())
+        raise ArgumentError(f"found {found}; expected arrays of one length")
+
+
 def _curve(estimate: Estimate, n: float, flat: str = "") -> Curve:
     centre, beta = map(float, estimate)
     if flat and beta >= 0.99 * MOST:
@@ -164,6 +175,7 @@ def fit_first(r: Array, limit: Array | float, weight: Array | None = None) -> Cu
     >>> round(curve.median, 4), round(curve.beta, 4)
     (0.331, 0.3956)
     """
+    _require_one_shape(r=r, limit=limit if np.ndim(limit) else None, weight=weight)
     overturned = int(np.count_nonzero(np.isfinite(r)))
     if overturned < FEWEST:
         raise UsageError(
@@ -205,6 +217,7 @@ def fit_cloud(
     >>> round(curve.median, 4), round(curve.beta, 4)
     (4.4542, 0.1223)
     """
+    _require_one_shape(x=x, theta_ratio=theta_ratio, weight=weight)
     there = int(
         np.count_nonzero(np.isfinite(theta_ratio) & (np.asarray(theta_ratio) > 0.0))
     )

@@ -11,7 +11,7 @@ import numpy as np
 
 from ..documents.quantities import DEFAULT_GRAVITY, is_bare, parse_quantity, quantity_at
 from ..documents.table import Table, read_table, split_heading, with_unit
-from ..errors import DocumentError, UsageError, counted
+from ..errors import ArgumentError, DocumentError, UsageError, counted
 from ..motions.intensity_measures import Measure, measure_of
 from .hazard import HazardCurve
 
@@ -201,14 +201,16 @@ def _is_at(place: str, site: str, row: dict[str, str]) -> bool:
     UsageError for a site of another form.
     """
     try:
-        lon, lat = (parse_quantity(part, "number") for part in site.split(","))
-    except ValueError:
+        at = [parse_quantity(part, "number") for part in site.split(",")]
+    except ArgumentError:
+        at = []
+    if len(at) != 2:
         raise UsageError(
             f"`site`: found {site!r}; expected LON,LAT in degrees, such as 9.15,45.15"
-        ) from None
+        )
     return all(
         abs(_number(place, row.get(key, "")) - value) < 1e-4
-        for key, value in (("lon", lon), ("lat", lat))
+        for key, value in zip(("lon", "lat"), at, strict=True)
     )
 
 

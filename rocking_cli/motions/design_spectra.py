@@ -18,7 +18,7 @@ from ..documents.files import named_after, read_bytes
 from ..documents.quantities import parse_quantity, quantity_at, split_quantity
 from ..documents.table import Cell, rows_of
 from ..documents.texts import text_of
-from ..errors import DocumentError, UsageError, counted
+from ..errors import ArgumentError, DocumentError, UsageError, counted
 from ..showing import Shown
 from .blocks import largest
 from .motion import Motion
@@ -335,7 +335,7 @@ def read_spectrum(path: str | Path) -> SpectrumFile:
         ):
             try:
                 kept.append(parse_quantity(cell.text, dimension))
-            except ValueError as error:
+            except ArgumentError as error:
                 raise _fault(cell, str(error)) from None
         if periods[-1] < 0.0 or (len(periods) > 1 and not periods[-1] > periods[-2]):
             raise _fault(at, "periods that rise, of one spectrum")

@@ -20,7 +20,7 @@ from pathlib import Path
 import numpy as np
 
 from ..documents.quantities import parse_quantity
-from ..errors import UsageError
+from ..errors import ArgumentError, UsageError
 from .records import Record, record_from
 
 Array = np.ndarray
@@ -141,7 +141,7 @@ def periods_of(name: str) -> tuple[str, Array] | None:
     text = match[2] or ("1" if match[1].casefold() != "sa" else "")
     try:
         periods = np.array([parse_quantity(part, "time") for part in text.split(",")])
-    except ValueError as error:
+    except ArgumentError as error:
         raise UsageError(
             f"{name}: found {text!r} for a period; expected {error}"
         ) from None

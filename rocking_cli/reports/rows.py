@@ -10,7 +10,7 @@ import numpy as np
 from ..documents.files import read_bytes
 from ..documents.table import table_of
 from ..documents.texts import text_of
-from ..errors import DocumentError, UsageError
+from ..errors import ArgumentError, DocumentError, UsageError
 from .units import si_of
 
 Rows = list[dict[str, str]]
@@ -24,9 +24,7 @@ def rows_of(source: str) -> Rows:
         name, raw = read_bytes(source)
         text = text_of(name, raw)
         if text.lstrip().startswith("{"):
-            found = [json.loads(line) for line in text.splitlines() if line.strip()]
-            if not all(isinstance(row, dict) for row in found):
-                raise ValueError("a line that is no JSON object")
+            found = _objects_of(text)
             rows = [
                 {k: "" if v is None else str(v) for k, v in row.items()}
                 for row in found
@@ -38,13 +36,24 @@ def rows_of(source: str) -> Rows:
                 _in_si(dict(zip(table.headings, cells, strict=True)))
                 for _, cells in table.full_rows()
             ]
-    except (DocumentError, ValueError, RecursionError) as error:
+    except (DocumentError, ArgumentError) as error:
         raise UsageError(
             f"{source}: neither a spectra file nor CSV ({error})"
         ) from None
     if not rows:
         raise UsageError(f"{source}: holds no rows")
     return rows
+
+
+def _objects_of(text: str) -> list[dict[str, Any]]:
+    """Return the objects of JSON Lines. Raises ArgumentError for other lines."""
+    try:
+        found = [json.loads(line) for line in text.splitlines() if line.strip()]
+    except (ValueError, RecursionError) as error:  # a number of 5,000 digits, depth
+        raise ArgumentError(str(error)) from None
+    if not all(isinstance(row, dict) for row in found):
+        raise ArgumentError("a line that is no JSON object")
+    return found
 
 
 def rows_in_memory(rows: Iterable[Mapping[str, Any]]) -> Rows:

@@ -17,6 +17,7 @@ from ..dynamics.single.lane import Lane
 from ..dynamics.single.march import march
 from ..dynamics.single.state import Listener
 from ..dynamics.system import System
+from ..errors import ArgumentError
 from ..motions.given import AnyMotion, motion_from
 from ..motions.motion import Motion, Piece
 from ..motions.segments import Segments
@@ -91,13 +92,13 @@ def history(
     }
     for name, x in numbers.items():
         if not (math.isfinite(x) and x >= 0.0):
-            raise ValueError(
+            raise ArgumentError(
                 f"{name}: found {x:g}; expected a finite number that is not negative"
             )
     if not (omega > 0.0 and duration > 0.0 and release < 1.0):
-        raise ValueError("omega and duration must be positive and release below 1")
+        raise ArgumentError("omega and duration must be positive and release below 1")
     if motion.duration / omega > LONGEST:
-        raise ValueError(
+        raise ArgumentError(
             f"omega: found {omega:g}; expected a larger one, so that the shaking ends"
             f" before tau = {LONGEST:g}"
         )
@@ -274,7 +275,7 @@ class _MarchWriter(Writer):
 
 def quarter_period(system: System, release: float) -> float:
     """Return the time tau [-] from the release at theta/alpha = release to the first
-    impact, on still ground. Raises ValueError.
+    impact, on still ground. Raises ArgumentError.
     """
     reach = 4.0 * math.acosh(1.0 / (1.0 - release)) + 10.0
     free = history(

@@ -14,7 +14,7 @@ import numpy as np
 
 from ..dynamics.outcome import LOST, Outcome
 from ..dynamics.sliding import Base, SlideStretch, Sliding
-from ..errors import UsageError
+from ..errors import ArgumentError, UsageError
 from ..motions import Motion
 from ..motions.given import AnyMotion, demand_of
 from ..motions.grid import Grid
@@ -436,7 +436,7 @@ def parse_slide(place: str, text: str, wanted: str) -> float:
     parts = split_quantity(length)
     try:
         value = parse_quantity(length, "length")
-    except ValueError:
+    except ArgumentError:
         value = 0.0
     if word != "slide" or not value > 0.0 or parts is None or not parts[1]:
         raise UsageError(

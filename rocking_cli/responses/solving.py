@@ -204,6 +204,10 @@ def boundaries(
     return found, list(dict.fromkeys(search.remarks))
 
 
+class _NoVerdict(Exception):
+    """Between two values of the key lies one without a structure or a verdict."""
+
+
 class _BoundarySearch:
     """The capacities of a structure for values of a key, each computed once, and the
     boundaries between them.
@@ -594,9 +598,17 @@ class _BoundarySearch:
         """`_narrowed` by the root of `excess`."""
         from scipy.optimize import brentq
 
+        def excess(value: float) -> float:
+            found = self.excess(value)
+            if math.isnan(found):
+                raise _NoVerdict
+            return found
+
         try:
-            found = brentq(self.excess, low, high, xtol=_EXACT * abs(high), rtol=_EXACT)
-        except ValueError:  # such a value is remarked on
+            if excess(low) * excess(high) > 0.0:
+                return None
+            found = brentq(excess, low, high, xtol=_EXACT * abs(high), rtol=_EXACT)
+        except _NoVerdict:  # such a value is remarked on
             return None
         return float(found)
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from ..dynamics.method import Method, governing_method, methods_of
 from ..dynamics.outcome import LOST, Outcome
-from ..errors import UsageError
+from ..errors import ArgumentError, StructureError, UsageError
 from ..motions import Motion, Piece
 from ..motions.given import AnyMotion, demand_of
 from ..motions.grid import Grid
@@ -710,6 +710,6 @@ def time_history(
             )
             for m in several
         }
-    except ValueError as error:
+    except (ArgumentError, StructureError) as error:
         raise UsageError(f"{structure.name}: {error}") from None
     return TimeHistory(structure, moved, amplitude, omega, histories, tau)

@@ -35,7 +35,7 @@ def template(kind: str) -> str:
     >>> build_structure(parse_documents(template("block"))[0]).structure
     'block'
     """
-    if place := shipped(f"{kind}.yaml"):
+    if kind in TEMPLATES and (place := shipped(f"{kind}.yaml")):
         return place.read_text(encoding="utf-8")
     raise UsageError(f"this installation has no commented document of kind {kind}")
 

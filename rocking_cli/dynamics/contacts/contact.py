@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ...errors import ArgumentError
 from ...motions.segments import Segments
 from ..drive import crossing, drive_change
 from ..equations.equation import Equation
@@ -46,7 +47,7 @@ class Contact(ABC):
         self, equation: Equation, amplitude: Array, omega: Array, eta: Array
     ) -> Cells:
         """Return the drive of each cell on each side, from A, Omega, eta (each
-        (cells,)). Raises ValueError if an eta is out of range.
+        (cells,)). Raises ArgumentError if an eta is out of range.
         """
 
     @abstractmethod
@@ -230,7 +231,7 @@ class Symmetric(Contact):
     ) -> Cells:
         """Return one row, which holds for both sides."""
         if not np.all((eta >= 0.0) & (eta <= 1.0)):
-            raise ValueError("eta must be within [0, 1]")
+            raise ArgumentError("eta must be within [0, 1]")
         return Cells(
             (amplitude / equation.uplift_amplitude)[None], omega[None], eta[None]
         )
@@ -260,7 +261,7 @@ class OneSided(Contact):
     ) -> Cells:
         """Return one row, for the right edge; the eta of the lanes is -e."""
         if not np.all((eta > -1.0) & (eta <= 0.0)):
-            raise ValueError("eta of a one-sided body must be within (-1, 0]")
+            raise ArgumentError("eta of a one-sided body must be within (-1, 0]")
         return Cells(
             (amplitude / equation.uplift_amplitude)[None],
             omega[None],
@@ -292,7 +293,7 @@ def reciprocal_ratios(one: float, other: float) -> tuple[float, float]:
 class Unequal(Contact):
     """Two edges that differ. Each pair of numbers is (right edge, left edge). A and
     Omega are those of the reference edge; on either side y and tau = p t have the unit
-    and the p of that side. Raises ValueError for a number out of range.
+    and the p of that side. Raises ArgumentError for a number out of range.
     """
 
     # uplift acceleration of the reference edge over that of the edge [-]
@@ -312,11 +313,11 @@ class Unequal(Contact):
         if not all(
             x > 0.0 for x in (*self.drive, *self.omega, *self.rotation, *self.pace)
         ):
-            raise ValueError(
+            raise ArgumentError(
                 "drive, omega, rotation and pace of both edges must be positive"
             )
         if not (min(self.eta) >= 0.0 and self.eta[0] * self.eta[1] <= 1.0):
-            raise ValueError(
+            raise ArgumentError(
                 "eta of both edges must be from 0, and their product at most 1"
             )
 

@@ -13,6 +13,7 @@ from typing import Any, NamedTuple, Protocol, Self
 
 import numpy as np
 
+from ...errors import ArgumentError
 from ...motions.segments import Segments
 from ..lanes import Array, Lanes
 from .recurrence import Rows, Series
@@ -135,7 +136,7 @@ class Equation(ABC):
 
     def __init__(self, damping: float) -> None:
         if not 0.0 <= damping < math.inf:
-            raise ValueError(f"damping: found {damping:g}; expected a number from 0")
+            raise ArgumentError(f"damping: found {damping:g}; expected a number from 0")
         # zeta [-]; without damping the motion after the shaking has a closed form
         self.damping = damping
 

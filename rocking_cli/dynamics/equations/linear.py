@@ -31,7 +31,7 @@ class LinearEquation(Equation):
 
     Raises
     ------
-    ValueError
+    ArgumentError
         when the damping is negative or not finite
 
     Notes

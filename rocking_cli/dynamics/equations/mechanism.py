@@ -68,7 +68,7 @@ class MechanismEquation(Equation):
 
     Raises
     ------
-    ValueError
+    ArgumentError
         when the mechanism does not stand, when it never becomes unstable, when its
         lambda(phi) does not fall until then, or when the tolerance is not between
         1e-13 and 1e-2

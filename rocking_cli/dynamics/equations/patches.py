@@ -8,6 +8,7 @@ from functools import lru_cache
 
 import numpy as np
 
+from ...errors import ArgumentError
 from ...structures.mechanics.kinematics import Mechanism, linearise
 from ..lanes import Array
 
@@ -123,7 +124,7 @@ def inverse(table: Patches, coefficients: Array, value: Array, high: float) -> A
 @lru_cache(maxsize=32)
 def tabulate(mechanism: Mechanism) -> Patches:
     """Computes the coefficients of Eq. 3.4 as functions of y, to rounding. Raises
-    ValueError as `MechanismEquation`.
+    ArgumentError as `MechanismEquation`.
     """
     form = linearise(mechanism)
     path = _PatchPath(mechanism, form.alpha, form.stiffness)
@@ -235,7 +236,7 @@ class _PatchPath:
 
 def _collapse(mechanism: Mechanism, alpha: float) -> float:
     """The rotation [rad] at which the structure has collapsed; at least 1.25 alpha.
-    Raises ValueError.
+    Raises ArgumentError.
     """
     phi = np.linspace(0.0, mechanism.reach, 20001)[:-1]
     # lambda(phi) = V'/(g B) must fall and B stay positive, up to the collapse.
@@ -249,7 +250,7 @@ def _collapse(mechanism: Mechanism, alpha: float) -> float:
     )
     end = float(phi[-1] if falls.all() else phi[np.argmin(falls)])
     if end < 1.25 * alpha:
-        raise ValueError(
+        raise ArgumentError(
             "the nonlinear model does not hold: its lambda(phi) does not fall on to the"
             " unstable equilibrium and beyond it"
         )
@@ -261,7 +262,7 @@ def _fit(
 ) -> list[tuple[float, float, float, list[Array]]]:
     """Return patches from start to stop, halved until their series converge."""
     if depth > 16:
-        raise ValueError(
+        raise ArgumentError(
             "the nonlinear model does not hold: the linkage locks too close to rest"
         )
     centre, half = 0.5 * (start + stop), 0.5 * _WIDEN * (stop - start)

@@ -15,6 +15,7 @@ from typing import Any, Self
 
 import numpy as np
 
+from ...errors import ArgumentError
 from ...motions.segments import Segments
 from ...structures.parameters import LEAST_ALPHA
 from ..lanes import Array, Lanes
@@ -42,7 +43,7 @@ class RigidBodyEquation(Equation):
 
     Raises
     ------
-    ValueError
+    ArgumentError
         when an alpha is not between 1e-30 and pi/2, the tolerance not between 1e-13
         and 1e-2, or the damping negative
 
@@ -251,11 +252,11 @@ class RigidBodyEquation(Equation):
 
 
 def _numbers(alpha: float) -> dict[str, float]:
-    """Return the numbers of an edge with this critical angle [rad]. Raises ValueError
-    for an angle that no rigid body has.
+    """Return the numbers of an edge with this critical angle [rad]. Raises
+    ArgumentError for an angle that no rigid body has.
     """
     if not LEAST_ALPHA <= alpha < 0.5 * math.pi:
-        raise ValueError(
+        raise ArgumentError(
             f"alpha: found {alpha:g} rad; expected an angle of a rigid body from"
             f" {LEAST_ALPHA:g} rad to below 90 deg"
         )

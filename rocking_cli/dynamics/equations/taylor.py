@@ -9,6 +9,7 @@ from functools import lru_cache
 
 import numpy as np
 
+from ...errors import ArgumentError
 from ...motions.blocks import blocks
 from ...motions.segments import Segments
 from ..drive import segment_value
@@ -129,11 +130,11 @@ def _chord_errors(count: int) -> Array:
 
 
 def order_for(tolerance: float, terms: float = 0.98) -> int:
-    """Number of terms of a series: -`terms` log(error of a step). Raises ValueError
+    """Number of terms of a series: -`terms` log(error of a step). Raises ArgumentError
     when the tolerance is out of range.
     """
     if not LOWEST <= tolerance <= HIGHEST:
-        raise ValueError(
+        raise ArgumentError(
             f"tolerance: found {tolerance:g}; expected a number from {LOWEST:g} to"
             f" {HIGHEST:g}"
         )

@@ -14,7 +14,7 @@ import numpy as np
 
 from ...documents.quantities import DEFAULT_GRAVITY
 from ...dynamics.outcome import Outcome
-from ...errors import UsageError
+from ...errors import ArgumentError, UsageError
 from ..tables import Above
 from .canvas import Axes, Figure, Look, canvas, literal, motion_in_words, panels
 
@@ -72,8 +72,8 @@ def draw_capacities(
 
 
 def checked(figure: Figure, rows: Rows, units: Units) -> list[Axes]:
-    """Draw the rows of `rocking check --csv`. Raises ValueError if a row states neither
-    its demand nor its capacity.
+    """Draw the rows of `rocking check --csv`. Raises ArgumentError if a row states
+    neither its demand nor its capacity.
     """
     return [
         capacities(
@@ -102,7 +102,7 @@ def _verdict(row: dict[str, str]) -> Verdict:
     )
     if demand is None:
         if first is None or ratio is None:
-            raise ValueError(
+            raise ArgumentError(
                 f"{name} has no capacity, and no column demand_a states the demand"
             )
         demand = first / ratio

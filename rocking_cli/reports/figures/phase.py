@@ -8,6 +8,7 @@ from ...documents.document import Document
 from ...documents.parsing import parse_documents
 from ...documents.quantities import DEFAULT_GRAVITY
 from ...dynamics.method import LINEAR, Method
+from ...errors import ArgumentError
 from ...responses.separatrix import separatrix
 from ...structures import build_structure
 from ...structures.parameters import dimensionless_oscillator
@@ -22,8 +23,8 @@ def phase(
     """Draw theta_dot/(p alpha) of a response over theta/alpha, with the separatrix
     inside which a body comes back on still ground.
 
-    body: None for the block with the p and alpha of the response. Raises ValueError if
-    the rows do not tell them.
+    body: None for the block with the p and alpha of the response. Raises ArgumentError
+    if the rows do not tell them.
     """
     suffixes = [
         suffix
@@ -31,7 +32,7 @@ def phase(
         if f"theta_ratio{suffix}" in rows[0]
     ]
     if not suffixes:
-        raise ValueError(
+        raise ArgumentError(
             "found no column theta_ratio; expected the CSV of rocking response"
         )
     axes, reach = figure.add_subplot(), 1.0
@@ -44,7 +45,7 @@ def phase(
         reach = max(reach, 1.05 * float(np.nanmax(np.abs(ratio))))
         model = suffix[1:] or rows[0].get("model") or LINEAR.model
         if body is None and block is None and (model != LINEAR.model or "t" in rows[0]):
-            raise ValueError(
+            raise ArgumentError(
                 "found a body whose sides differ, or no alpha; expected `body`, the"
                 " document of its structure"
             )
@@ -104,7 +105,7 @@ def scaled(
     rows: Rows, suffix: str = ""
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, float]:
     """Return (theta, theta/alpha, alpha at each time, p) of a response with units.
-    Raises ValueError if it does not rock.
+    Raises ArgumentError if it does not rock.
     """
     theta, ratio, tau, t = (
         column(rows, name)
@@ -112,7 +113,9 @@ def scaled(
     )
     rocks = np.flatnonzero(ratio)
     if not rocks.size:
-        raise ValueError("the body does not rock, so that its angle alpha is not known")
+        raise ArgumentError(
+            "the body does not rock, so that its angle alpha is not known"
+        )
     return (
         theta,
         ratio,

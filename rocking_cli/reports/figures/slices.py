@@ -92,15 +92,17 @@ def _nearest(file: SpectraFile, cut: str) -> tuple[str, int]:
         if not isinstance(values, list)
     }
     try:
-        ((name, axis),) = parse_axes(cut, records=file.frame.of_records).items()
-        (asked,), values = axis.values, axes[name]
-        # the rounding of a printed end
-        if not values[0] * (1.0 - 1e-5) <= asked <= values[-1] * (1.0 + 1e-5):
-            raise ValueError
-    except (KeyError, ValueError, UsageError):
-        wanted = " or ".join(_accepted(name, values) for name, values in axes.items())
-        raise UsageError(f"`slice`: found {cut!r}; expected {wanted}") from None
-    return name, int(np.abs(values - asked).argmin())
+        cuts = parse_axes(cut, records=file.frame.of_records)
+    except UsageError:
+        cuts = {}
+    for name, axis in cuts.items() if len(cuts) == 1 else ():
+        if name in axes and len(axis.values) == 1:
+            asked, values = axis.values[0], axes[name]
+            # the rounding of a printed end
+            if values[0] * (1.0 - 1e-5) <= asked <= values[-1] * (1.0 + 1e-5):
+                return name, int(np.abs(values - asked).argmin())
+    wanted = " or ".join(_accepted(name, values) for name, values in axes.items())
+    raise UsageError(f"`slice`: found {cut!r}; expected {wanted}")
 
 
 def _names(file: SpectraFile) -> tuple[str, ...]:

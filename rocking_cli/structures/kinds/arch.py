@@ -15,6 +15,7 @@ import numpy as np
 from ...documents.composition import Value
 from ...documents.document import Document
 from ...documents.quantities import SMALLEST_LENGTH, parse_quantity
+from ...errors import ArgumentError
 from ..mechanics.fourbar import EXTRADOS, FACES, INTRADOS, FourBar, Ring
 from ..mechanics.hinges import (
     carried_through,
@@ -251,7 +252,7 @@ def _hinge(document: Document, value: Value, face: str) -> tuple[float, str]:
         return found
     try:
         return parse_quantity(str(value.content), "angle"), face
-    except ValueError:
+    except ArgumentError:
         raise document.fault("hinges", str(value), _HINGES) from None
 
 
