@@ -76,6 +76,8 @@ class RigidBodyEquation(Equation):
         kinds, which = np.unique(np.ravel(alpha), return_inverse=True)
         numbers = [_numbers(x) for x in kinds.tolist()]
         # Of the cells, or of the right edge and the left; of all right edges first.
+        if not numbers:
+            raise ArgumentError("alpha: found no angle; expected one or more")
         each = {key: np.array([x[key] for x in numbers])[which] for key in numbers[0]}
         if self._two_edged:
             gain = each["gain"].reshape(2, -1)
