@@ -101,7 +101,7 @@ def interval(
             (np.arange(records),),
             of,
             n_resamples=how.samples,
-            batch=max(1, 2_000_000 // (32 * records)),
+            batch=_at_once(records),
             vectorized=True,
             confidence_level=1.0 - 2.0 * float(stats.norm.cdf(quantile)),
             method="BCa",
@@ -123,14 +123,28 @@ def bootstrap_counts(
     """
     random = np.random.default_rng(how.seed)
     whole = np.rint(np.asarray(n)).astype(np.int64)
-    draws = random.binomial(
-        whole, np.asarray(z, dtype=float) / n, size=(how.samples, np.size(n))
-    )
+    share, most = np.asarray(z, dtype=float) / n, _at_once(np.size(n))
+    estimates = []
+    for begin in range(0, how.samples, most):
+        count = min(most, how.samples - begin)
+        draws = random.binomial(whole, share, size=(count, whole.size))
+        estimates.append(stripes(levels, whole, draws))
+    centre, beta = (np.concatenate(one) for one in zip(*estimates, strict=True))
+
     tail = 0.5 * (1.0 - how.level)
-    low, high = np.quantile(
-        _drawn(stripes(levels, whole, draws), x, rate), [tail, 1.0 - tail], axis=-1
-    )
+    tails = [tail, 1.0 - tail]
+    ends = [np.quantile(_drawn((centre, beta), None, rate), tails, axis=-1)]
+    most, points = _at_once(how.samples), np.zeros(0) if x is None else x
+    for begin in range(0, np.size(points), most):
+        scores = _drawn((centre, beta), points[begin : begin + most])[2:]
+        ends.append(np.quantile(scores, tails, axis=-1))
+    low, high = np.concatenate(ends, axis=-1)
     return _band(low, high, rated=rate is not None)
+
+
+def _at_once(size: int) -> int:
+    """Return how many samples of so many numbers are estimated together."""
+    return max(1, 2_000_000 // (32 * size))
 
 
 def _drawn(
