@@ -18,6 +18,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from .. import __version__
+from ..digits import digits_apart
 from ..documents.document import Document
 from ..documents.files import whole_text
 from ..documents.quantities import DEFAULT_GRAVITY
@@ -417,15 +418,17 @@ def _row(values: Mapping[str, str | float | None], v: Verdict) -> dict[str, Any]
         elif x is None:
             text = "–"
         else:
-            text = _number(x / DEFAULT_GRAVITY if "[g]" in head else x)
+            of_one = head == "capacity over demand"
+            digits = digits_apart(x, 1.0, _DIGITS) if of_one else _DIGITS
+            text = _number(x / DEFAULT_GRAVITY if "[g]" in head else x, digits)
         cells.append({"head": head, "text": text, "number": not isinstance(x, str)})
     return {"falls": v.falls, "cells": cells}
 
 
-def _number(x: float) -> str:
-    """Return a number with three digits: 0.250, 1.05, 12.3."""
-    text = f"{x:#.{_DIGITS}g}"
-    return f"{x:.0f}" if abs(x) >= 10.0**_DIGITS else text.removesuffix(".")
+def _number(x: float, digits: int = _DIGITS) -> str:
+    """Return a number with so many digits: 0.250, 1.05, 12.3."""
+    text = f"{x:#.{digits}g}"
+    return f"{x:.0f}" if abs(x) >= 10.0**digits else text.removesuffix(".")
 
 
 def _aligned(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:

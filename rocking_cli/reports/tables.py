@@ -13,6 +13,7 @@ from textwrap import wrap
 from typing import Any, NamedTuple
 from unicodedata import normalize
 
+from ..digits import digits_apart, rounded_down
 from ..errors import UsageError, did_you_mean
 from .units import Units
 
@@ -27,13 +28,22 @@ _NUMBER = re.compile(r"(?:[<>] ?)?[-+]?\d+(?:\.\d*)?(?:e[-+]?\d+)?")
 _FORMULA = ("=", "+", "-", "@")
 
 
+RATIOS = (
+    "capacity_demand",
+    "code_linear_ratio",
+    "code_slv_ratio",
+    "code_slc_ratio",
+    "theta_04_ratio",
+)
+"""The columns of which 1 is the limit: a table shows on which side of it they lie."""
+
+
 class Above(float):
     """A number that the true one exceeds, in a table `> 13`, rounded down."""
 
     def shown(self, digits: int) -> str:
         """Return the text with so many significant digits."""
-        unit = 10.0 ** (math.floor(math.log10(self)) - digits + 1)
-        return f"> {math.floor(self / unit * (1.0 + 1e-12)) * unit:.{digits}g}"
+        return f"> {rounded_down(self, digits):.{digits}g}"
 
 
 def json_line(row: Row, encoding: str = "utf-8") -> str:
@@ -102,7 +112,7 @@ def table_lines(
     table = []
     for heading in _headings(body, chosen):
         values = [row.get(heading) for row in body]
-        cells = [heading, *(_text(value, digits) for value in values)]
+        cells = [heading, *(_cell(heading, value, digits) for value in values)]
         key = heading.partition(" [")[0] in keys
         table.append(_Column(cells, all(map(_is_number, values)), key))
 
@@ -339,7 +349,7 @@ def shown_cells(row: Row, digits: int = 4) -> Iterator[tuple[str, str]]:
     """
     (shown,) = Units().shown([row])
     for heading in _headings([shown], ()):
-        yield heading, _text(shown[heading], digits)
+        yield heading, _cell(heading, shown[heading], digits)
 
 
 def _plain(value: Any) -> Any:
@@ -370,6 +380,13 @@ def csv_cell(value: Any) -> Any:
     ):
         return f"'{value}"
     return "" if value is None else value
+
+
+def _cell(heading: str, value: Any, digits: int) -> str:
+    """Return a value of a column as a text."""
+    if heading in RATIOS and isinstance(value, float) and not isinstance(value, Above):
+        digits = digits_apart(value, 1.0, digits)
+    return _text(value, digits)
 
 
 def _text(value: Any, digits: int) -> str:

@@ -6,6 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
+from ..digits import digits_apart, rounded_down
 from ..documents.quantities import DEFAULT_GRAVITY
 from ..dynamics.method import LINEAR
 from ..dynamics.outcome import Outcome
@@ -122,10 +123,9 @@ def verdict_plainly(v: Verdict) -> str:
     elif v.outcome == Outcome.NO_UPLIFT:
         said = "Stands: it does not lift."
     else:
-        said = (
-            f"Stands: it rocks to {100.0 * (v.theta_ratio or 0.0):.2g} % of its"
-            " critical angle."
-        )
+        percent = 100.0 * (v.theta_ratio or 0.0)
+        shown = float(f"{percent:.{digits_apart(percent, 100.0, 2)}g}")
+        said = f"Stands: it rocks to {shown:g} % of its critical angle."
         if (
             first is not None
             and v.capacity_demand is not None
@@ -137,7 +137,8 @@ def verdict_plainly(v: Verdict) -> str:
     if v.coupling:
         said += f" It {v.coupling}."
     elif v.friction_needed is not None and v.friction_needed > 0.0 and not v.slide:
-        needed = f"{v.friction_needed:#.2g}"
+        # rounded up: it exceeds the friction of a base that would slide
+        needed = f"{-rounded_down(-v.friction_needed, 2):#.2g}"
         said += (
             f" Its base would slide: it needs a friction of {needed}."
             if v.slides

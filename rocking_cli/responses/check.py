@@ -148,6 +148,7 @@ class Standing(NamedTuple):
 
     outcome: Outcome  # by the governing equation
     capacity_demand: float | None  # as of `Verdict`
+    narrow: bool = False  # True if many narrow intervals overturn the body
 
     @property
     def falls(self) -> bool:
@@ -172,7 +173,8 @@ def _standing(
     found = answer.search.capacity(begun, done)
     first, _ = answer.lowest(found)
     demand = float(structure.ground_acceleration(answer.search.amplitude))
-    return Standing(answer.outcome, None if first is None else first / demand)
+    capacity = None if first is None else first / demand
+    return Standing(answer.outcome, capacity, found.share_of_falls > 0.0)
 
 
 def _judged(

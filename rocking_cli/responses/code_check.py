@@ -11,11 +11,13 @@ at uplift if that amplitude is larger.
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from decimal import ROUND_FLOOR, Decimal
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 
+from ..digits import digits_apart
 from ..documents.quantities import DEFAULT_GRAVITY
 from ..dynamics.method import governing_method
 from ..dynamics.outcome import safe
@@ -164,8 +166,8 @@ class CodeCheck(Shown):
             with the accepted amplitude over the demand, rounded down
         """
         ratio = self.accepted()[key] / self.demand_a
-        shown = math.floor(100.0 * ratio * (1.0 + 1e-12)) / 100.0
-        return f"{METHODS[key]}: {'not ' * (ratio < 1.0)}verified ({shown:.2f})"
+        shown = Decimal(repr(ratio)).quantize(Decimal("0.01"), ROUND_FLOOR)
+        return f"{METHODS[key]}: {'not ' * (ratio < 1.0)}verified ({shown})"
 
     def promises(self, fall: float | None, beyond: float | None) -> list[str]:
         """Return a sentence on each method that accepts more than the dynamics do.
@@ -184,16 +186,18 @@ class CodeCheck(Shown):
         """
         lines = []
         for key, a in {} if self.on_floor else self.accepted().items():
-            method = f"the {METHODS[key]} method accepts {a / DEFAULT_GRAVITY:.3f} g"
             if fall is not None and a > fall:
-                lines.append(
-                    f"{method}, the body overturns at {fall / DEFAULT_GRAVITY:.3f} g"
-                )
+                less, there = fall, "the body overturns"
             elif key == "code_slv" and beyond is not None and a > beyond:
-                lines.append(
-                    f"{method}, theta exceeds {ROTATION:g} alpha at"
-                    f" {beyond / DEFAULT_GRAVITY:.3f} g"
-                )
+                less, there = beyond, f"theta exceeds {ROTATION:g} alpha"
+            else:
+                continue
+            more, less = a / DEFAULT_GRAVITY, less / DEFAULT_GRAVITY
+            digits = digits_apart(more, less, 3)
+            lines.append(
+                f"the {METHODS[key]} method accepts {more:#.{digits}g} g, {there} at"
+                f" {less:#.{digits}g} g"
+            )
         return lines
 
 

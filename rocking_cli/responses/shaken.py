@@ -1,6 +1,5 @@
 """The answer of one body to a demand and to small changes of it."""
 
-import math
 from typing import NamedTuple
 
 import numpy as np
@@ -18,7 +17,6 @@ SHIFTS = np.array(
     [0.0, *(sign * 10.0**-n for n in (12, 9, 6) for sign in (-1.0, 1.0))]
 )  # relative changes of a demand
 _SAME = 0.01  # of theta/alpha: rotations under them that differ by less are one
-_DIGITS = 4  # of a capacity where many narrow intervals overturn
 
 
 def capacity_search(
@@ -71,16 +69,14 @@ class Shaken(NamedTuple):
 
     def lowest(self, found: Capacity) -> tuple[float | None, float | None]:
         """(lowest overturning amplitude, end of the safe interval around the demand)
-        [m/s2], None without one; found: what the search has found. Where many narrow
-        intervals overturn the body they are rounded down to a few digits.
+        [m/s2], None without one; found: what the search has found.
         """
         structure, demand = self.search.structure, self.search.amplitude
         near = self.falling if self.outcome.safe else self.falling[:0]
-        first = least_acceleration(structure, found.first, *near)
-        safe_to = least_acceleration(structure, found.safe_to, *near[near > demand])
-        if not found.share_of_falls:
-            return first, safe_to
-        return _rounded_down(first, _DIGITS), _rounded_down(safe_to, _DIGITS)
+        return (
+            least_acceleration(structure, found.first, *near),
+            least_acceleration(structure, found.safe_to, *near[near > demand]),
+        )
 
 
 def answer_of(search: CapacitySearch) -> Shaken:
@@ -101,14 +97,6 @@ def least_acceleration(
     """
     least = min((x for x in amplitudes if x is not None), default=None)
     return None if least is None else float(structure.ground_acceleration(least))
-
-
-def _rounded_down(value: float | None, digits: int) -> float | None:
-    """Return a positive number rounded down to so many digits."""
-    if value is None:
-        return value
-    unit = 10.0 ** (math.floor(math.log10(value)) - digits + 1)
-    return math.floor(value / unit) * unit
 
 
 def respond(

@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from ..digits import digits_apart
 from ..dynamics.outcome import LOST, Outcome
 from ..dynamics.sliding import Base, SlideStretch, Sliding
 from ..errors import ArgumentError, UsageError
@@ -271,9 +272,10 @@ class SlideHistory(Shown):
     def words(self) -> str:
         """What it does, and why it does not overturn, in words."""
         least = least_lambda(self.structure)
+        digits = digits_apart(self.friction.static, least, 4)
         start = (
-            f"from {self.friction.static:.4g} g on, before it could rock (lambda"
-            f" {least:.4g})"
+            f"from {self.friction.static:.{digits}g} g on, before it could rock (lambda"
+            f" {least:.{digits}g})"
         )
         if self.slide_max > 0.0:
             said = f"slides {start}: {1e3 * self.slide_max:.3g} mm at most"
@@ -285,7 +287,10 @@ class SlideHistory(Shown):
                 f"{said}; the ground falls away at {self.lost_at:.2f} s; what follows"
                 " is not followed"
             )
-        return f"{said}. It cannot overturn while its friction stays below {least:.4g}"
+        return (
+            f"{said}. It cannot overturn while its friction stays below"
+            f" {least:.{digits}g}"
+        )
 
 
 def _at_the_end(residual: float) -> str:

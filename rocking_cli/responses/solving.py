@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from ..digits import rounded_down
 from ..documents.document import Document
 from ..dynamics.method import direction_in_words
 from ..dynamics.outcome import Outcome
@@ -31,6 +32,7 @@ from ..structures.friction import friction_that_slides, refuse_range, sliders
 from ..structures.given import document_from
 from ..structures.parameters import RockingParameters
 from .check import Demand, Standing, standings
+from .verdict import KNOWN
 from .withstanding import withstand
 
 _DIGITS = (
@@ -199,7 +201,7 @@ def boundaries(
     scanned = search.scanned(progress, with_capacities=scanned_at is not None)
     if scanned_at is not None:
         for value, _ in scanned:
-            scanned_at(value, margin * math.exp(search.excess(value)))
+            scanned_at(value, search.capacities([value])[0])
     found = search.boundaries(scanned)
     return found, list(dict.fromkeys(search.remarks))
 
@@ -232,9 +234,11 @@ class _BoundarySearch:
         in_units = shakes[0][1].amplitude.name == "a_g"
         self.reach = Limit(_BEYOND * margin * most, in_units)
         self.remarks: list[str] = []
-        # ln(capacity_demand/margin) of each value, NaN if there is no such structure,
-        # or no verdict
+        # the capacity over the demand of each value [-], at most `_BEYOND` times the
+        # margin; NaN if there is no such structure, or no verdict
         self.known: dict[float, float] = {}
+        # the values at which many narrow intervals overturn the structure
+        self.narrow: set[float] = set()
         # True if outcomes tell whether a structure stands: the worst frequency is not
         # searched, and overturning intervals are wide
         self.by_outcomes = up_to is None and not any(
@@ -249,7 +253,8 @@ class _BoundarySearch:
         self, progress: Callable[[int, int], None] | None, *, with_capacities: bool
     ) -> list[tuple[float, bool | None]]:
         """Return the values of the range, rising, and whether the structure stands at
-        each; None without a verdict. with_capacities: True if `excess` is asked too.
+        each; None without a verdict. with_capacities: True if `capacities` is asked
+        too.
         """
         values, found = sorted(self.varied.values), []
         at_once = _AT_ONCE * (self.workers or available_cpus())
@@ -258,7 +263,7 @@ class _BoundarySearch:
         for begin in range(0, len(values), at_once):
             some = values[begin : begin + at_once]
             if with_capacities:
-                self.excesses(some)
+                self.capacities(some)
             found += list(zip(some, self.stand(some), strict=True))
             if progress is not None:
                 progress(len(found), len(values))
@@ -395,8 +400,8 @@ class _BoundarySearch:
             for value, demands in asked.items()
         }
         others = [value for value in values if value not in asked]
-        for value, excess in zip(others, self.excesses(others), strict=True):
-            stands[value] = None if math.isnan(excess) else excess >= 0.0
+        for value, capacity in zip(others, self.capacities(others), strict=True):
+            stands[value] = None if math.isnan(capacity) else capacity >= self.margin
         return [stands[value] for value in values]
 
     def _stands_under(self, value: float, found: Sequence[bool | None]) -> bool | None:
@@ -427,10 +432,10 @@ class _BoundarySearch:
         """Return ln(capacity_demand/margin) for a value of the key; NaN if there is no
         such structure, or no verdict.
         """
-        return self.excesses([value])[0]
+        return math.log(self.capacities([value])[0] / self.margin)
 
-    def excesses(self, values: Sequence[float]) -> list[float]:
-        """Return `excess` for each value; processes share what is new."""
+    def capacities(self, values: Sequence[float]) -> list[float]:
+        """Return `known` for each value; processes share what is new."""
         new = {
             value: demands
             for value in dict.fromkeys(values)
@@ -444,7 +449,7 @@ class _BoundarySearch:
             )
         )
         for value, demands in new.items():
-            self.known[value] = self._excess_of(
+            self.known[value] = self._capacity_of(
                 value, list(islice(found, len(demands)))
             )
         return [self.known[value] for value in values]
@@ -508,19 +513,18 @@ class _BoundarySearch:
             for (structure, motion, _), one in zip(demands, worst, strict=True)
         ]
 
-    def _excess_of(self, value: float, found: Sequence[Standing]) -> float:
-        """Return ln(capacity_demand/margin) of the required share of the motions;
-        found: what stands under the demands of a value.
-        """
+    def _capacity_of(self, value: float, found: Sequence[Standing]) -> float:
+        """Return `known` of a value; found: what stands under its demands."""
         if any(one.outcome == Outcome.FAILED for one in found):
             self._no_verdict(value)
             return math.nan
-        capacity = self._least_capacity(found)
-        return math.log(min(_BEYOND, capacity / self.margin))
+        if any(one.narrow for one in found):
+            self.narrow.add(value)
+        return min(_BEYOND * self.margin, self._least_capacity(found))
 
     def _least_capacity(self, found: Sequence[Standing]) -> float:
         """Return the capacity over the demand of the required share of the motions,
-        infinite if nothing overturns; found: as of `_excess_of`.
+        infinite if nothing overturns; found: as of `_capacity_of`.
         """
         least = [
             min(
@@ -538,17 +542,17 @@ class _BoundarySearch:
         """Return the number that `check` finds for a value, None if nothing overturns
         the structure.
         """
-        capacity = self.margin * math.exp(self.excess(value))
-        if capacity < _BEYOND * self.margin * (1.0 - 1e-9):
-            return capacity
-        # The capacity is above the reach of the search.
-        found = standings(
-            self._demands(value),
-            a_max=max(A_MAX, _BEYOND * self.margin),
-            workers=self.workers,
-        )
-        capacity = self._least_capacity(list(found))
-        return capacity if math.isfinite(capacity) else None
+        (capacity,) = self.capacities([value])
+        narrow = value in self.narrow
+        if not capacity < _BEYOND * self.margin:  # it is above the reach of the search
+            most = max(A_MAX, _BEYOND * self.margin)
+            demands = self._demands(value)
+            found = list(standings(demands, a_max=most, workers=self.workers))
+            capacity = self._least_capacity(found)
+            narrow = any(one.narrow for one in found)
+        if not math.isfinite(capacity):
+            return None
+        return rounded_down(capacity, KNOWN, self.margin) if narrow else capacity
 
     def boundary(self, low: float, high: float, above: bool) -> Boundary | None:
         """Return the boundary between two values; above: True if the structure stands
@@ -565,7 +569,7 @@ class _BoundarySearch:
         if exact is None:
             return None
         value = self._rounded(exact, low, high, above)
-        if self.excess(value) < 0.0:
+        if self.capacities([value])[0] < self.margin:
             self._no_verdict(value)
             return None
         for end in sorted(self.at_ends.get(value, ())):
@@ -651,7 +655,7 @@ class _BoundarySearch:
             rounded = Context(prec=digits, rounding=outwards).create_decimal(exact)
             unit = Decimal(1).scaleb(rounded.adjusted() - digits + 1)
             value = min(high, max(low, float(rounded + away * unit)))
-            if self.excess(value) >= 0.0:
+            if self.capacities([value])[0] >= self.margin:
                 return value
         return high if above else low
 

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
+from ..digits import rounded_down
 from ..dynamics.outcome import Outcome
 from ..showing import Shown
 
@@ -45,6 +46,7 @@ SLIDE_COLUMNS = (
     "stuck_first_overturning_a",
 )
 FLOOR_COLUMNS = ("floor_pga", "floor_chord")
+KNOWN = 4  # significant digits of a capacity where many narrow intervals overturn
 
 
 @dataclass(frozen=True, repr=False)
@@ -54,7 +56,9 @@ class Verdict(Shown):
     It is that of the governing equation; accelerations are amplitudes a_g of the
     motion. `capacity_demand` is the lowest overturning amplitude over the demand,
     `falls` and `sentence` state the outcome, `row` is what `rocking check --json`
-    prints.
+    prints: if many narrow intervals overturn the body, its amplitudes and
+    capacity_demand have four digits, or as many as show on which side of the demand
+    they lie.
 
     Attributes
     ----------
@@ -209,6 +213,14 @@ class Verdict(Shown):
         if self.lost_in_fall:
             found["lost_in_fall"] = True
         if self.share_of_falls:
+            found |= {
+                key: None if own[key] is None else rounded_down(own[key], KNOWN, limit)
+                for key, limit in (
+                    ("first_overturning_a", self.demand_a),
+                    ("safe_to", self.demand_a),
+                    ("capacity_demand", 1.0),
+                )
+            }
             found["falls_nearby"] = self.share_of_falls
         if self.slide is not None:
             found |= self.slide.row()

@@ -853,6 +853,20 @@ def test_falls_in_narrow_intervals_are_a_column_and_one_line(rocking, tmp_path):
 
 
 @pytest.mark.slow
+def test_a_narrow_fall_just_above_the_demand_stays_above_it(rocking):
+    """Nothing falls at or below the demand of 3.5571 m/s2; the first fall is at
+    3.557199 m/s2.
+    """
+    call = ("check", "block:0.6x2.4", "--motion", "configs/motions/synthetic.at2")
+    found = rocking(*call, "--scale-to", "PGA=3.5571m/s2", "--a-max", "0.38g", "--json")
+    row = found.record
+    assert (row["outcome"], row["capacity_demand"]) == ("rocked", 1.00003)
+    assert row["first_overturning_a"] == row["safe_to"] == 3.5572
+    assert row["falls_nearby"] > 0.0
+    assert "safe window" not in found.stderr
+
+
+@pytest.mark.slow
 def test_the_opposite_direction_of_a_body_with_one_side_is_told(rocking):
     """The row is that of the stated sign; the line tells what the same call with
     --scale -1 prints as its outcome.
