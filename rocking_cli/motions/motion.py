@@ -7,6 +7,7 @@ engine can prove where roots are.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -21,6 +22,10 @@ from .segments import Samples, Segments, largest_from
 from .sinusoids import isolated_extremes
 
 LARGEST_SCALE = 1e100  # larger amplitudes may overflow
+# the name of a motion times a factor, and the floor that it moves
+_TIMES = re.compile(
+    r"(?P<name>.+), times (?P<factor>-?[0-9.]+(?:e[-+]?[0-9]+)?)(?P<floor>, floor .+)?"
+)
 
 
 class Floor(NamedTuple):
@@ -262,16 +267,19 @@ class Motion(Shown):
         """Return the name and the vertical part of this motion times a factor. The
         vertical part keeps its sign.
         """
-        own = (
-            f"{self.name.removesuffix(upwards(self.vertical))}, times"
-            f" {checked_scale(self.name, factor):g}"
-        )
+        own = self.name.removesuffix(upwards(self.vertical))
+        words, before = f", times {checked_scale(own, factor):g}", _TIMES.fullmatch(own)
+        # the opposite direction of "times 2" is "times -2", that of "times -1" the name
+        if before is not None and -1.0 in (factor, float(before["factor"])):
+            own, total = before["name"], factor * float(before["factor"])
+            words = "" if total == 1.0 else f", times {total:g}"
+            words += before["floor"] or ""
         up = (
             self.vertical
             if self.vertical is None or abs(factor) == 1.0
             else self.vertical.scaled(abs(factor))
         )
-        return own + upwards(up), up
+        return own + words + upwards(up), up
 
     @property
     def largest(self) -> float:

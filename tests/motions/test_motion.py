@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from support.refusals import refuses
 
-from rocking_cli import MotionError, cosine, pulse, sine
+from rocking_cli import MotionError, cosine, floor_of, pulse, sine
 from rocking_cli.dynamics.drive import crossing, segment_value
 from rocking_cli.motions import Harmonic, Motion, Piece, sinusoids
 from rocking_cli.motions.motion import extremes
@@ -203,3 +203,12 @@ def test_a_motion_of_too_many_patches_is_summed_term_by_term(monkeypatch):
         < 1e-15
     )
     assert np.abs(u - crossing(TWO_TONES.segments, k, level)).max() < 1e-14
+
+
+def test_the_opposite_of_the_opposite_direction_has_the_name_of_the_motion():
+    motion = sine()
+    assert motion.scaled(-1.0).scaled(-1.0).name == motion.name
+    assert motion.scaled(-1.0).scaled(2.5).name == f"{motion.name}, times -2.5"
+    assert motion.scaled(2.5).scaled(-1.0).name == f"{motion.name}, times -2.5"
+    floor = floor_of(motion.scaled(-1.0), "T=0.4,xi=0.05", 1.0)
+    assert floor.scaled(-1.0).name == f"{motion.name}, floor of T 0.4 s"
