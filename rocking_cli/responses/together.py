@@ -11,6 +11,7 @@ import numpy as np
 from ..dynamics.method import Method, governing_method
 from ..dynamics.outcome import Outcome, safe
 from ..dynamics.shared_march import SharedMarch
+from ..envelopes.capacity import falls_may_be_narrow
 from ..motions.grid import Grid
 from ..motions.motion import Motion
 from ..structures.friction import friction_that_slides
@@ -59,8 +60,9 @@ def first_overturning_of(
     """Return the lowest amplitude that overturns each structure.
 
     All structures go up the same ladder of amplitudes, 1 % apart; a structure leaves it
-    at its first overturning, whose bracket is then halved. Intervals narrower than a
-    step may be missed.
+    at its first overturning, whose bracket is then halved. Where overturning intervals
+    may be narrow, as under a record, the bracket may hold several of them, and its
+    lower end is returned. Intervals narrower than a step may be missed.
 
     Parameters
     ----------
@@ -152,7 +154,7 @@ class Together:
 
     def lowest_falls(self, lowest: Array, highest: Array) -> Array:
         """Return the lowest amplitude A that overturns each structure between two
-        amplitudes, infinite without one.
+        amplitudes, as `first_overturning_of`; infinite without one.
         """
         first = np.full(lowest.size, np.inf)
         stands = lowest.copy()  # largest amplitude up to which no rung overturns
@@ -173,6 +175,8 @@ class Together:
             stands[climbing[~hit]] = rungs[~hit, -1]
             climbing = climbing[~hit & (rungs[:, -1] < highest[climbing])]
 
+        if falls_may_be_narrow(self.motion):
+            return np.where(np.isfinite(first), stands, first)
         # Each bracket is halved, all of them together.
         open_ones = np.flatnonzero(np.isfinite(first))
         while open_ones.size:

@@ -127,6 +127,20 @@ def test_a_draw_has_the_verdict_that_it_has_alone(text):
         assert amplitude == pytest.approx(alone.first_overturning_a, rel=2e-6)
 
 
+def test_a_first_overturning_under_a_record_is_rounded_down():
+    """Between two steps of 1 % there may be several overturning intervals."""
+    motion = rk.read_motion("configs/motions/synthetic.at2")
+    structures, _ = drawn("block:0.5+-0.02x2", 4)
+    demand = demand_of(motion)
+    first = first_overturning_of(structures, *demand, [4.0] * len(structures))
+    assert np.isfinite(first).all()
+    for structure, amplitude in zip(structures, first, strict=True):
+        stands = rk.parse_grid(f"a_g={float(amplitude)!r}", own_time=True)
+        falls = rk.parse_grid(f"a_g={1.01 * float(amplitude)!r}", own_time=True)
+        assert safe(outcomes_at([structure], motion, stands)).all()
+        assert not safe(outcomes_at([structure], motion, falls)).any()
+
+
 def test_a_draw_that_leaves_the_ground_falls_by_the_linear_equation_too():
     structures, _ = drawn("block:0.5+-0.05x0.6,restitution=0.6..0.9", 8)
     grid = rk.parse_grid("A=3,Omega=6")
