@@ -136,15 +136,15 @@ def verdict_plainly(v: Verdict) -> str:
         said += " A change of the demand in its last digits changes this."
     if v.coupling:
         said += f" It {v.coupling}."
-    elif v.friction_needed is not None and v.friction_needed > 0.0 and not v.slide:
+    if v.friction_needed is not None and v.friction_needed > 0.0 and not v.slide:
         # rounded up: it exceeds the friction of a base that would slide
         needed = f"{-rounded_down(-v.friction_needed, 2):#.2g}"
         said += (
             f" Its base would slide: it needs a friction of {needed}."
-            if v.slides
+            if v.slides and not v.coupling
             else f" It needs a friction of {needed} at its base."
         )
-    elif v.slides:
+    elif v.slides and not v.coupling:
         said += " Its base would slide."
     return said + " This is by the linear equation alone." * (v.model == LINEAR.model)
 

@@ -91,7 +91,8 @@ class Verdict(Shown):
     omega_g: circular frequency of a pulse [rad/s], None under a record
     capacity_demand: first_overturning_a over demand_a [-], None if nothing overturns
         the body
-    coupling: what `slides` means for a body that slides while it rocks, in words
+    coupling: what is known, in words, of a body that slides, or may slide, while it
+        rocks
     slide: the sliding of a body that slides and never rocks; None for another one
     floor_pga: of a body on a floor of a building: largest acceleration of the floor
         [m/s2]
@@ -148,7 +149,7 @@ class Verdict(Shown):
     searched_to: float | None = None
     # circular frequency of a pulse [rad/s], None under a record
     omega_g: float | None = None
-    # what `slides` means for a body that slides while it rocks, in words
+    # what is known, in words, of a body that slides, or may slide, while it rocks
     coupling: str = ""
     # the sliding of a body that slides and never rocks; None for another one
     slide: "SlideVerdict | None" = None

@@ -45,6 +45,23 @@ def test_a_slide_that_is_not_followed_fails(rocking):
     assert rocking(*call, "--fail-on", "overturning").returncode == 0
 
 
+@pytest.mark.parametrize(
+    ("friction", "start"),
+    [(0.26, "slides"), (0.3, "may slide"), (0.5, "may slide"), (0.51, None)],
+)
+def test_what_is_known_of_sliding_while_rocking_is_one_line(rocking, friction, start):
+    """lambda is 0.25; the motion needs a friction of 0.2618."""
+    body = f"block:0.5x2,friction={friction}"
+    call = ("check", body, "--a-g", "0.3g", "--f-g", "1", "--verdict-only")
+    said = [line for line in rocking(*call).stderr.splitlines() if "slide" in line]
+    if start is None:
+        assert said == []
+        return
+    (line,) = said
+    assert f": {start} while it rocks: this motion is not followed" in line
+    assert "unsafe for 1 to 5 % of the bodies" in line
+
+
 def test_the_motion_of_an_unsymmetric_body_between_its_lambdas_is_not_covered(rocking):
     body = "rigid:left=0.2,right=0.3,height=1,gyration=0.6,friction=0.205"
     done = rocking("check", body, "--a-g", "0.6g", "--f-g", "1", "--verdict-only")
