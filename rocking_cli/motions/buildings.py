@@ -40,6 +40,8 @@ CHORD = 1e-3  # of the largest acceleration of the floor
 TAIL = 1e-3  # of it, that the free vibration has at the end
 CYCLE = 400  # steps in a cycle of a pulse
 MOST = 10_000_000  # steps of a floor's motion
+SHORTEST, LONGEST = 1e-3, 1e3  # periods of a mode [s]
+LARGEST = 1e3  # gamma_psi of a mode, of either sign
 _KEYS = {"T": "time", "xi": "number", "gamma_psi": "number"}
 _FORM = "T=…,xi=…[,gamma_psi=…], such as T=0.4,xi=0.05,gamma_psi=1.3"
 
@@ -98,8 +100,8 @@ def parse_building(texts: Sequence[str]) -> Building | None:
     Raises
     ------
     UsageError
-        for other keys, a period that is not positive, a damping ratio outside 0 to 1,
-        and two modes of one period
+        for other keys, a period outside 0.001 to 1000 s, a damping ratio outside 0 to
+        1, a gamma_psi beyond 1000, and two modes of one period
 
     Examples
     --------
@@ -130,9 +132,15 @@ def _parse_mode(text: str) -> BuildingMode:
         for key, value in given.items()
     }
     mode = BuildingMode(found["T"], found["xi"], found.get("gamma_psi", 1.0))
-    if not mode.period > 0.0:
+    if not SHORTEST <= mode.period <= LONGEST:
         raise UsageError(
-            f"`building`: found T={given['T']}; expected a positive period"
+            f"`building`: found T={given['T']}; expected a period from {SHORTEST:g} to"
+            f" {LONGEST:g} s"
+        )
+    if not abs(mode.gamma_psi) <= LARGEST:
+        raise UsageError(
+            f"`building`: found gamma_psi={given['gamma_psi']}; expected a number from"
+            f" {-LARGEST:g} to {LARGEST:g}"
         )
     if not 0.0 < mode.damping < 1.0:
         percent = 1.0 <= mode.damping < 100.0

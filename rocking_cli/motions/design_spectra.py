@@ -21,6 +21,7 @@ from ..documents.texts import text_of
 from ..errors import ArgumentError, DocumentError, UsageError, counted
 from ..showing import Shown
 from .blocks import largest
+from .buildings import LARGEST, LONGEST, SHORTEST
 from .motion import Motion
 from .records.record import Record
 from .response_spectra import DAMPING, acceleration_spectrum, displacement_spectrum
@@ -383,9 +384,14 @@ def parse_floor(text: str) -> FloorMode:
         hint = ", such as 0.05 for 5 %" if key == "xi" else ""
         found[key] = quantity_at(f"`floor`: {key}", given[key], dimension, hint=hint)
     period, damping, shape = found.values()
-    if not (period > 0.0 and 0.0 < damping < 1.0 and shape != 0.0):
+    if not (
+        SHORTEST <= period <= LONGEST
+        and 0.0 < damping < 1.0
+        and 0.0 < abs(shape) <= LARGEST
+    ):
         raise UsageError(
-            f"`floor`: found {text!r}; expected a positive T, xi between 0 and 1, and a"
-            " gamma_psi that is not zero"
+            f"`floor`: found {text!r}; expected T from {SHORTEST:g} to {LONGEST:g} s,"
+            " xi between 0 and 1, and a gamma_psi that is not zero, up to"
+            f" {LARGEST:g}"
         )
     return FloorMode(period, damping, shape)

@@ -26,8 +26,9 @@ def gravity_of(document: Document) -> float:
     return document.quantity(
         "gravity",
         "acceleration",
-        above=0.0,
-        where="a positive acceleration",
+        least=1e-2,
+        most=1e4,
+        where="an acceleration from 0.01 to 10000 m/s2",
         default=DEFAULT_GRAVITY,
     )
 

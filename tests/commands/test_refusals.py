@@ -13,7 +13,7 @@ FILES = {
     ),
     "kilograms.yaml": "kind: block\nwidth: 2 kg\nheight: 1",
     "tiny.yaml": (
-        "kind: parameters\np: 1\nalpha: 1e-30\nlambda: 1e-30\neta: 0.9\ngravity: 1e-290"
+        "kind: parameters\np: 1\nalpha: 1e-30\nlambda: 1e-30\neta: 0.9\ngravity: 0.01"
     ),
     "empty": "",
     "site.csv": "T [s],S_a [g]\n0,0.2\n0.15,0.5\n0.5,0.5\n2,0.12\n5,0.03\n",
@@ -543,7 +543,7 @@ REFUSED = {
         (2, f"{COLUMN} --grid A=1:2:3,Omega=5 -o -", "standard output"),
         (
             2,
-            "tiny.yaml --grid a_g=1:3:3,f_g=1:2:2 -o s.h5 -q",
+            "tiny.yaml --grid a_g=1e300:3e300:3,f_g=1:2:2 -o s.h5 -q",
             "range of double precision",
         ),
         (

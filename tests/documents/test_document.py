@@ -120,7 +120,11 @@ REFUSED = [
     ),
     (
         "kind: block\nwidth: 1\nheight: 5\ngravity: 0",
-        "found 0; expected a positive acceleration",
+        "found 0; expected an acceleration from 0.01 to 10000 m/s2",
+    ),
+    (
+        "kind: block\nwidth: 1\nheight: 5\ngravity: 1e-9",
+        "f.yaml:4:10: gravity: found 1e-9; expected an acceleration from 0.01",
     ),
     (
         'kind: block\nwidth: 1\nheight: 5\nname: "a\\0b"',

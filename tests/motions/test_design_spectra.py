@@ -162,6 +162,7 @@ FLOORS = [
     ONE.replace("1,xi", "1 m,xi"),
     ONE.replace("1,xi", "0,xi"),
     ONE.replace("0.05", "5"),
+    ONE.replace("1,xi", "1e300,xi"),
 ]
 test_a_malformed_floor_is_refused = refuses(
     parse_floor, UsageError, [(text, r"`floor`: (T: )?found") for text in FLOORS]
