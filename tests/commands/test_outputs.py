@@ -1,6 +1,7 @@
 """Outputs that cannot be written: every command says so before it computes anything."""
 
 import errno
+import os
 import subprocess
 import sys
 from importlib import import_module
