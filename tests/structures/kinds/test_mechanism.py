@@ -369,7 +369,7 @@ test_what_is_refused = refuses(
                 + "\n  one: {mass: 1, centre: [-0.5, 1.6], gyration: 0.3}"
                 + "\n  two: {mass: 1, centre: [-1.5, 0.6], gyration: 0.3}",
                 EDGE[:-1]
-                + ", {hinge: [block, one], at: [0, 2]}, {hinge: [one, two], at: [-0.9,"
+                + ", {hinge: [block, one], at: [0, 2]}, {hinge: [one, two], at: [-0.8,"
                 " 1]}, {hinge: [two, ground], at: [-2, 0]}]\none_sided: true\n"
                 "restitution: -0.3",
             ),
