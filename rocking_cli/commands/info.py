@@ -89,7 +89,7 @@ def info(
 
 
 def _contents(path: str, file: "SpectraFile") -> dict[str, Any]:
-    """Return the row of a file: its scene, completeness, run time, estimated error."""
+    """Return the row of a file: its scene, completeness, run time, errors."""
     from ..spectra.work.machine import described
 
     attributes, dimensions = file.attributes, file.frame.dimensions
@@ -114,7 +114,12 @@ def _contents(path: str, file: "SpectraFile") -> dict[str, Any]:
         "complete": "yes" if file.complete else "no",
         "run_time": attributes.get("run_time"),
         "check_time": attributes.get("check_time"),
-        "estimated_error": attributes.get("estimated_error") if checked else None,
+        "error_bound": attributes.get("error_bound"),
+        "error_bound_median": attributes.get("error_bound_median"),
+        "cells_above_ten_medians": attributes.get("cells_above_ten_medians"),
+        "largest_difference": (
+            attributes.get("largest_difference") if checked else None
+        ),
         "checked_cells": checked,
         "source": attributes.get("source"),
         "sealed": "yes" if file.digest else "no",

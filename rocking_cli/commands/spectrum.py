@@ -131,8 +131,8 @@ def spectrum(
         *summary_lines(summary, str(wanted.output)),
     )
     if wanted.json_:
-        # Where no cell was checked, no error is known.
-        known = {} if summary.checked_cells else {"estimated_error": None}
+        # Where no cell was checked, no difference is known.
+        known = {} if summary.checked_cells else {"largest_difference": None}
         row = {"output": str(wanted.output), **summary.row(), **known}
         emit([row], form="json")
     partly(summary.failed)

@@ -29,7 +29,7 @@ class Arrays:
     def put(self, places: Array, others: Self) -> None:
         """Replace the lanes at these indices by the lanes `others`, in place."""
         for name in self.__dataclass_fields__:
-            getattr(self, name)[places] = getattr(others, name)
+            getattr(self, name)[..., places] = getattr(others, name)
 
     def extended(self, kind: type[Extended], **more: Array) -> Extended:
         """Return these lanes as a subclass, which takes the values of its additional
@@ -64,7 +64,8 @@ class Arrays:
 def _taken(x: Any, at: Any) -> Any:
     if isinstance(x, np.ndarray):
         # `take` keeps rows of lanes contiguous; x[..., at] would not
-        return x[at] if x.ndim == 1 else x.take(at, axis=-1)
+        whole = x.ndim == 1 or isinstance(at, slice)
+        return x[..., at] if whole else x.take(at, axis=-1)
     return x.take(at) if isinstance(x, Arrays) else x
 
 
@@ -88,8 +89,8 @@ class Cells(NamedTuple):
 
 @dataclass
 class Lanes(Arrays):
-    """The state of rocking bodies, one body in each lane. Every array is (lanes,). The
-    side is stored, never inferred from a sign.
+    """The state of rocking bodies, one body in each lane. Every array but one is
+    (lanes,). The side is stored, never inferred from a sign.
     """
 
     cell: Array  # index of the cell that the lane computes
@@ -105,3 +106,6 @@ class Lanes(Arrays):
     peak: Array  # largest y at a turning point so far, in the unit of the present side
     impacts: Array  # number of impacts so far
     steps: Array  # number of steps so far
+    # second moments of an error (`condition`): yy, yv and vv of the present state, and
+    # that of |theta|/alpha at the largest peak, (4, lanes)
+    moments: Array

@@ -35,6 +35,9 @@ class Response(NamedTuple):
     impacts
         number of impacts during the shaking, int32, without those of sequences that
         are closed in one step
+    condition
+        by how much theta_ratio takes over an error of the state in every unit of tau
+        [-], at least 1; NaN where theta_ratio is NaN or 0, and for bodies with ties
     work
         counters of the computation
 
@@ -50,6 +53,7 @@ class Response(NamedTuple):
     theta_ratio: Array  # [-], (cells,)
     outcome: Array  # codes of `Outcome`, (cells,)
     impacts: Array  # counts, (cells,)
+    condition: Array  # of theta_ratio [-], (cells,)
     work: Work  # counters of all cells
 
     def __repr__(self) -> str:
@@ -72,12 +76,8 @@ class Response(NamedTuple):
         -------
         Response
         """
-        theta_ratio, outcome, impacts = (
-            np.concatenate(x) for x in list(zip(*parts, strict=True))[:3]
-        )
-        return cls(
-            theta_ratio, outcome, impacts, sum((part.work for part in parts), Work())
-        )
+        arrays = (np.concatenate(x) for x in list(zip(*parts, strict=True))[:-1])
+        return cls(*arrays, sum((part.work for part in parts), Work()))
 
 
 WAYS = ("arrays", "floats")
@@ -214,12 +214,14 @@ def _one_by_one(
     segments = system.segments(motion.coarsest)
     found = OneByOne(system, segments, cells, peaks or prove)
     theta_ratio, outcome, impacts = found.theta_ratio, found.outcome, found.impacts
+    condition = found.condition
 
     failed = np.flatnonzero(outcome == Outcome.FAILED)
     if failed.size:
         again = response(system, motion, *_of(cells, failed), peaks=peaks)
         outcome[failed], impacts[failed] = again.outcome, again.impacts
         theta_ratio[failed] = again.theta_ratio
+        condition[failed] = again.condition
 
     doubtful = outcome == Outcome.ROCKED
     doubtful[failed] = False
@@ -236,6 +238,7 @@ def _one_by_one(
         theta_ratio.reshape(shape),
         outcome.reshape(shape),
         impacts.reshape(shape),
+        _at_least_one(condition, theta_ratio).reshape(shape),
         Work(cells=outcome.size),
     )
 
@@ -271,8 +274,14 @@ def _response(
         theta_ratio.reshape(shape),
         run.outcome.reshape(shape),
         run.impacts.reshape(shape),
+        _at_least_one(run.condition, theta_ratio).reshape(shape),
         run.work,
     )
+
+
+def _at_least_one(condition: Array, theta_ratio: Array) -> Array:
+    """The condition of cells, NaN where no body rocks and stands."""
+    return np.where(theta_ratio > 0.0, np.maximum(condition, 1.0), np.nan)
 
 
 def _batch(system: System, motion: Motion, cells: Cells, peaks: bool) -> Batch:

@@ -313,6 +313,7 @@ class AmplitudeStretches:
             zero,
             none,
             none,
+            np.zeros((4, at.size)),
         )
         return self.system.contact.free_motion(
             self.both, lanes, np.arange(at.size), y, v

@@ -9,7 +9,7 @@ from ..spectra.results import Summary
 
 
 def summary_lines(summary: Summary, output: str) -> Iterator[str]:
-    """Yield the sentences of the summary: size, run time, estimated error, outcomes,
+    """Yield the sentences of the summary: size, run time, errors, outcomes,
     and work that was skipped.
     """
     s, w = summary, summary.work
@@ -51,9 +51,16 @@ def summary_lines(summary: Summary, output: str) -> Iterator[str]:
 
 
 def _error_lines(s: Summary) -> Iterator[str]:
-    """Yield the sentences on the cells that were computed again."""
+    """Yield the sentences on the bound of the error, and on the cells that were
+    computed again.
+    """
+    yield (
+        f"error bound: {s.error_bound:.1e} in theta/alpha, median"
+        f" {s.error_bound_median:.1e}, {counted(s.cells_above_ten_medians, 'cell')}"
+        " above ten times the median"
+    )
     if not s.checked_cells:
-        yield "estimated error: not checked"
+        yield "largest difference: not checked"
         return
     agree = (
         "every outcome equal" if not s.misjudged else f"{s.misjudged} OUTCOMES DIFFER"
@@ -66,14 +73,14 @@ def _error_lines(s: Summary) -> Iterator[str]:
         f" {s.checked_by}"
     )
     yield (
-        f"estimated error: {s.estimated_error:.1e} in theta/alpha at {many} in"
+        f"largest difference: {s.largest_difference:.1e} in theta/alpha at {many} in"
         f" {s.check_time:.2g} s, {agree}"
     )
     if s.misjudged or s.beyond_tolerance:
         cells = f"{s.misjudged + s.beyond_tolerance} of these cells"
         yield (
-            "warning: the two paths differ by more than the tolerance times the"
-            f" condition at {cells}; do not rely on single cells"
+            f"warning: the two paths differ by more than the error bound at {cells}; do"
+            " not rely on this sweep"
         )
 
 

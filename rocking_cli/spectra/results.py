@@ -27,7 +27,10 @@ _RECORDED = (
     "run_time",
     "time_per_cell",
     "workers",
-    "estimated_error",
+    "error_bound",
+    "error_bound_median",
+    "cells_above_ten_medians",
+    "largest_difference",
     "checked_by",
     "checked_cells",
     "sensitive_cells",
@@ -40,7 +43,7 @@ class Summary(Shown):
     """Counts, times and checks of a sweep, as `write_spectrum` returns it.
 
     Of a resumed sweep the times, checks and counters are those of the last run only.
-    `estimated_error` and `misjudged` say how far to trust the results, `row` is what
+    `error_bound`, `largest_difference` and `misjudged` say how far to trust the results, `row` is what
     `rocking spectrum --json` prints.
 
     Attributes
@@ -51,8 +54,11 @@ class Summary(Shown):
     shared_cells: cells taken from another structure of equal restitution
     checked_by: the reference that computed cells again
     sensitive_cells: checked cells that were chosen for their sensitivity
-    estimated_error: largest difference of theta/alpha from the reference on the checked
-        cells [-]
+    largest_difference: of theta/alpha from the reference on the checked cells [-]
+    error_bound: of theta/alpha, the tolerance times the largest condition of the cells
+        that stand, 1 at most [-]
+    error_bound_median: the tolerance times the median of these conditions [-]
+    cells_above_ten_medians: cells whose bound is above ten times that median
     check_time: part of the run time that the checks took [s]
     misjudged: checked cells whose outcome differs
     resumed_cells: cells from an earlier run
@@ -87,7 +93,12 @@ class Summary(Shown):
     checked_cells: int  # cells that were computed again by the reference
     sensitive_cells: int  # checked cells that were chosen for their sensitivity
     # largest difference of theta/alpha from the reference on the checked cells [-]
-    estimated_error: float
+    largest_difference: float
+    # tolerance times the largest condition of the cells that stand, 1 at most [-]
+    error_bound: float
+    error_bound_median: float  # tolerance times the median of these conditions [-]
+    # cells whose bound is above ten times that median
+    cells_above_ten_medians: int
     check_time: float  # part of the run time that the checks took [s]
     misjudged: int  # checked cells whose outcome differs
     resumed_cells: int = 0  # cells from an earlier run
@@ -126,7 +137,8 @@ class Summary(Shown):
             "run_time",
             "workers",
             "model",
-            "estimated_error",
+            "error_bound",
+            "largest_difference",
             "checked_by",
             "checked_cells",
             "misjudged",

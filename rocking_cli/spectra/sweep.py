@@ -24,6 +24,7 @@ from ..processes import available_cpus, refuse_endless
 from ..structures.given import Structure, structures_from
 from ..structures.parameters import RockingParameters
 from .dimensions import QUANTITIES, VARIABLES
+from .error_bound import Conditions
 from .results import Spectrum, Summary
 from .scene import PulseScene, Scene, Unit, cut_into_units
 from .verification import Verification, default_check, validity
@@ -429,6 +430,7 @@ class _Counts:
     outcomes: np.ndarray  # number of cells of each `Outcome`
     differences: np.ndarray  # number of cells of each `Difference`
     work: Work  # counts of the work on the computed cells
+    conditions: Conditions  # of the cells that stand
     shared: int = 0  # cells that took the result of another structure
 
     def add(self, unit: Unit, report: Report) -> None:
@@ -436,6 +438,7 @@ class _Counts:
         self.work += report.work
         self.outcomes += report.outcomes
         self.differences += report.differences
+        self.conditions += report.conditions
         places = len(unit.places)
         self.shared += int(report.outcomes.sum()) // places * (places - 1)
 
@@ -460,7 +463,12 @@ def _run(
     verification = Verification(scene, check, chunk, todo)
     job = Job(scene, chunk, verification.wanted, convert, quantities)
 
-    counts = _Counts(resumed.copy(), np.zeros(len(Difference), dtype=np.int64), Work())
+    counts = _Counts(
+        resumed.copy(),
+        np.zeros(len(Difference), dtype=np.int64),
+        Work(),
+        Conditions.of(np.zeros(0)),
+    )
     reports = unit_reports(job, todo, _crew(job, options, workers), verification)
     for done, (unit, report) in enumerate(reports, 1 + len(units) - len(todo)):
         with deferred():
@@ -490,6 +498,7 @@ def _run(
         ),
         resumed_cells=int(resumed.sum()),
         **checked,
+        **counts.conditions.bounds(scene.method),
     )
 
 

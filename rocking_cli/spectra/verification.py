@@ -1,5 +1,4 @@
-"""Checks of a sweep: some cells computed again by the reference, the condition of
-cells, and a comparison of the two equations.
+"""Checks of a sweep: some cells computed again by the reference, and a comparison of the two equations.
 
 Half of the cells are drawn at random, half are those of high sensitivity: of 128 drawn
 cells the ones whose rotation differs most from that of the next cell of the grid. A
@@ -20,10 +19,11 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..dynamics.method import Method
-from ..dynamics.outcome import Difference, Outcome, difference, falls, safe
-from ..dynamics.response import Response, response
+from ..dynamics.outcome import Difference, Outcome, difference, falls
+from ..dynamics.response import response
 from ..structures.friction import friction_that_slides
 from ..structures.parameters import RockingParameters
+from .error_bound import tolerance_of
 from .scene import PulseScene, Scene, Unit
 
 Array = np.ndarray
@@ -32,70 +32,22 @@ Place = tuple[int, int, int]  # (structure, row, column) of a cell
 _SEED = 20120924
 _CANDIDATES = 128  # candidates for the most sensitive cells
 _DRAWS = 20  # draws for each cell that is wanted: of many scenes half the cells lift
-# numbers of cells of a sweep below which one or two are checked, for the time that they
-# take
+# numbers of cells of a sweep below which two or four are checked, for the time that
+# they take
 _SMALL, _MIDDLE = (1_000, 5_000)
-_EXACT = 1e-10  # tolerance for an exact method, for the rounding of two solvers
-# relative change of each input; the linear equation leaves the differences 8 digits
-STEP = 1e-7
-_ETA = 2
-# of a method with a tolerance, the least change of input, so that its own error stays
-# below the difference
-_TOLERANCES = 100.0
 _CELLS = 64  # number of cells that are compared with the nonlinear equation
 _DRAWN = 512  # candidates for cells next to a boundary
 _STRUCTURES = 4  # each structure costs a few further rounds
 _SEED_OF_VALIDITY = 20120925
 
 
-def condition_of(
-    respond: Callable[[Array, Array, Array], Response],
-    amplitude: Array,
-    omega: Array,
-    eta: Array,
-    tolerance: float,
-) -> Array:
-    """Return the condition of cells (any shape, broadcast): the change of max
-    |theta|/alpha over a small relative change of the input,
-
-        kappa = |d theta/d ln A| + |d theta/d ln Omega| + |d theta/d ln eta|,
-        theta = max |theta|/alpha        [-]
-
-    by central differences over a relative 1e-7, or 100 times the tolerance of the
-    method (0 of an exact one). respond: the response of arrays (A, Omega, eta). NaN if
-    the cell or a cell of the differences overturned or failed; 0 below uplift. From
-    about 1e5 on the difference is no derivative and no bound: a rotation that changes
-    completely over 1e-7 may do so over 1e-12.
-    """
-    cells = np.broadcast_arrays(
-        *(np.asarray(x, dtype=float) for x in (amplitude, omega, eta))
-    )
-    step = max(STEP, _TOLERANCES * tolerance)
-    total = np.zeros(cells[0].shape)
-    for i, values in enumerate(cells):
-        ends = np.stack([values * (1.0 - step), values * (1.0 + step)])
-        if i == _ETA:
-            np.clip(ends, -1.0, 1.0, out=ends)
-        shifted = [ends if j == i else np.stack([x, x]) for j, x in enumerate(cells)]
-        found = respond(*shifted)
-        still = safe(found.outcome).all(axis=0)
-        width = np.abs(ends[1] - ends[0])
-        rate = (
-            np.abs(found.theta_ratio[1] - found.theta_ratio[0])
-            * np.abs(values)
-            / np.where(width == 0.0, np.inf, width)
-        )
-        total += np.where(still, rate, np.nan)
-    return total
-
-
 def default_check(scene: Scene) -> int:
-    """Return the default number of cells to compute again: 1 of a small sweep, so that
-    it takes a fifth of its time at most, and up to 64 of a large one.
+    """Return the default number of cells to compute again: 2 of a small sweep and up
+    to 64 of a large one.
     """
     if scene.cells < _MIDDLE:
-        return 1 if scene.cells < _SMALL else 2
-    return 4 if not scene.method.exact else max(4, min(64, scene.cells // 250_000))
+        return 2 if scene.cells < _SMALL else 4
+    return 8 if not scene.method.exact else max(8, min(64, scene.cells // 250_000))
 
 
 def sampled_cells(
@@ -200,8 +152,8 @@ class Verification:
     ) -> None:
         self.scene = scene
         self.chunk = chunk
-        # (outcome, theta/alpha) that the sweep found at the places of `wanted`
-        self.seen: dict[Place, tuple[int, float]] = {}
+        # (outcome, theta/alpha, condition) that the sweep found at the places of `wanted`
+        self.seen: dict[Place, tuple[int, float, float]] = {}
         # the places that are checked: True if one was chosen for its sensitivity, False
         # if it was drawn by chance
         self.sensitive: dict[Place, bool] = {}
@@ -279,7 +231,10 @@ class Verification:
         """
         changes: dict[Place, float] = {}
         for place, other in self._candidates:
-            (outcome, theta), (beside, next_theta) = self.seen[place], self.seen[other]
+            (outcome, theta, _), (beside, next_theta, _) = (
+                self.seen[place],
+                self.seen[other],
+            )
             if outcome == beside == Outcome.ROCKED:
                 changes[place] = abs(theta - next_theta)
         order = sorted(changes, key=lambda place: -changes[place])
@@ -312,7 +267,7 @@ class Verification:
         }
         judged = [(a.outcome, a.judged) for a in known.values() if a.judged is not None]
         return {
-            "estimated_error": max(apart.values(), default=0.0),
+            "largest_difference": max(apart.values(), default=0.0),
             "misjudged": len(known) - len(same),
             "checked_cells": len(known),
             "sensitive_cells": sum(self.sensitive[place] for place in known),
@@ -326,21 +281,9 @@ class Verification:
         }
 
     def _unexplained(self, place: Place, apart: float) -> bool:
-        """True if a difference of theta/alpha exceeds the tolerance times max(1,
-        condition of the cell); the condition is 1 if unknown.
-        """
-        method, cell = self.scene.method, self.scene.cell(*place)
-        tolerance = method.stated_tolerance or _EXACT
-        if not apart > tolerance:
-            return False
-        amplitude, omega, eta = (
-            np.array([x]) for x in (cell.amplitude, cell.omega, cell.structure.eta)
-        )
-        respond = partial(response, method.system_of(cell.structure), cell.motion)
-        (condition,) = condition_of(
-            respond, amplitude, omega, eta, method.stated_tolerance or 0.0
-        )
-        return not apart <= tolerance * np.nanmax([1.0, condition])
+        """True if a difference of theta/alpha exceeds the bound of the cell."""
+        bound = tolerance_of(self.scene.method) * self.seen[place][2]
+        return not apart <= bound
 
 
 @dataclass(frozen=True)

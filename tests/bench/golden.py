@@ -223,7 +223,7 @@ def swept(
     return (
         answered(found)
         | dict(found.quantities)
-        | {"estimated_error": np.array(found.summary.estimated_error)}
+        | {"largest_difference": np.array(found.summary.largest_difference)}
     )
 
 

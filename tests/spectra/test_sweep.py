@@ -84,7 +84,7 @@ def test_summary_adds_up_and_the_check_agrees():
     assert s.outcomes["no_uplift"] == s.work.no_uplift
     assert s.checked_cells == 40
     assert s.misjudged == 0
-    assert s.estimated_error < 1e-12
+    assert s.largest_difference < 1e-12
     assert s.row()["time_per_cell"] * s.cells == pytest.approx(s.run_time)
 
 

@@ -100,6 +100,9 @@ class Drive(NamedTuple):
         )
 
 
+_STEP = 1e-6  # change of y for a derivative by differences
+
+
 class Equation(ABC):
     """An equation of motion, y'' = f - 2 zeta y', in a displacement y of its own unit,
     with derivatives by tau = p t. Its numbers are floats, or (lanes,) arrays if the two
@@ -181,6 +184,12 @@ class Equation(ABC):
         """Return the force f at displacement y, under the outward drive a and the
         weight over m g.
         """
+
+    def slope(self, y: Array, force: Array) -> Array | float:
+        """df/dy at displacement y, under the drive that gives this force f."""
+        still = self.force(y, np.zeros(y.shape))
+        drive = (force - still) / (self.force(y, np.ones(y.shape)) - still)
+        return np.asarray((self.force(y + _STEP, drive) - force) / _STEP)
 
     def rotation(self, y: Array) -> Array:
         """|theta|/alpha at displacement y, of any shape."""

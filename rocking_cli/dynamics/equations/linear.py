@@ -96,6 +96,10 @@ class LinearEquation(Equation):
         """The force f = w (y - 1) + a."""
         return weight * (y - 1.0) + a
 
+    def slope(self, y: Array, force: Array) -> float:
+        """df/dy, 1 under the weight of the body alone."""
+        return 1.0
+
     def fall(self, y: Array, v: Array) -> tuple[Array, Array]:
         """True if the unstable mode y - 1 + v is positive; the energy is v^2 at the
         ground, 1 - D0* of Eq. 2.7, without cancellation.

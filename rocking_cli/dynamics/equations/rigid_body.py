@@ -210,6 +210,11 @@ class RigidBodyEquation(Equation):
         z = self.alpha - self.sin * y
         return a * np.cos(z) / self.cos - weight * (np.sin(z) / self.sin)
 
+    def slope(self, y: Array, force: Array) -> Array:
+        """df/dy, with the drive by the force: (1 + f sin(alpha) sin z)/cos z."""
+        z = self.alpha - self.sin * y
+        return np.asarray((1.0 + force * self.sin * np.sin(z)) / np.cos(z))
+
     def fall(self, y: Array, v: Array) -> tuple[Array, Array]:
         """The energy is K = v^2/2 + [cos z - cos(alpha)]/sin^2(alpha), 1/(1 +
         cos(alpha)) at the barrier.

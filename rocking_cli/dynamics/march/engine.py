@@ -14,6 +14,7 @@ from typing import NamedTuple, TypeVar
 import numpy as np
 
 from ..batch import Batch
+from ..condition import at_free_peak, moved, slope_between, through_impact
 from ..contacts.sequences import STILL
 from ..drive import place
 from ..lanes import Array, Lanes
@@ -83,6 +84,7 @@ class Run:
         self.theta_ratio = np.full(batch.size, 0.0 if batch.peaks else np.nan)
         self.outcome = np.full(batch.size, Outcome.NO_UPLIFT, dtype=np.uint8)
         self.impacts = np.zeros(batch.size, dtype=np.int32)
+        self.condition = np.full(batch.size, np.nan)
         # True for damped cells after an impact on still ground, (cells,)
         self.bounced = np.zeros(batch.size, dtype=bool)
         self.work = Work(cells=batch.size)
@@ -124,6 +126,7 @@ class Run:
             peak=np.full(size, 0.0 if batch.peaks else np.inf),  # none exceeds infinity
             impacts=np.zeros(size, dtype=np.int32),
             steps=np.zeros(size, dtype=np.int32),
+            moments=np.zeros((4, size)),
         )
 
     def round(self, lanes: AnyLanes) -> AnyLanes:
@@ -139,16 +142,31 @@ class Run:
         # Peaks come before results: a body that has lain on its side on the way has
         # overturned, even if it ends lower.
         ends = self._ends(lanes, result)
+        before, slope = lanes.moments[:3], np.zeros(0)
+        if batch.peaks:
+            ends_y = np.where(result.hit, 0.0, result.end.y)
+            ends_v = np.where(result.hit, result.impact_v, result.end.v)
+            found = slope_between(
+                equation, (lanes.y, lanes.v), (ends_y, ends_v), result.reach
+            )
+            slope = np.broadcast_to(found, result.reach.shape)
+            lanes.moments = np.concatenate(
+                [
+                    moved(before, result.reach, slope, equation.damping),
+                    lanes.moments[3:],
+                ]
+            )
         last = self._in_the_air(lanes, result, ends, np.flatnonzero(ends.shaken))
         free = free_motion(batch, last)
         if batch.peaks:
-            self._raise_peaks(lanes, result, ends, free.outcome)
+            self._raise_peaks(lanes, result, ends, free.outcome, before, slope)
         if self.observers:
             self._show(lanes, result, np.flatnonzero(~(ends.failed | ends.over)))
 
         # Store the results of the lanes that end; `_go_on` takes them out of the pool.
         self.finish(lanes, np.flatnonzero(ends.failed), Outcome.FAILED, np.nan)
         last.peak = lanes.peak[ends.shaken]
+        last.moments[3] = lanes.moments[3, ends.shaken]
         peak = np.maximum(last.peak, free.peak)
         self._end(FREE_MOTION, last, free._replace(peak=peak))
         self.overturn(lanes, np.flatnonzero(ends.over))
@@ -176,19 +194,40 @@ class Run:
         return RoundEnds(k, u, failed, shaken, over)
 
     def _raise_peaks(
-        self, lanes: Lanes, result: StepResult, ends: RoundEnds, free: Array | Outcome
+        self,
+        lanes: Lanes,
+        result: StepResult,
+        ends: RoundEnds,
+        free: Array | Outcome,
+        moments: Array,
+        slope: Array,
     ) -> None:
         """Take the turning points of the steps into the peaks of the lanes. free:
-        outcomes of the free motion of shaken lanes.
+        outcomes of the free motion of shaken lanes; moments, slope: of the lanes at the
+        start of the steps, and df/dy on them.
         """
         # Peaks are reported for bodies that stand only.
         wanted = ~(ends.failed | ends.over)
         wanted[np.flatnonzero(ends.shaken)[free != Outcome.ROCKED]] = False
-        at, _, y = turning_points(self.batch.segments, lanes, result, wanted)
+        at, h, y = turning_points(self.batch.segments, lanes, result, wanted)
+        higher = y >= lanes.peak[at]
+        on, h = at[higher], h[higher]
+        lanes.moments[3, on] = self._of_rotation(
+            lanes,
+            on,
+            y[higher],
+            moved(moments[:, on], h, slope[on], result.arc.damping)[0],
+        )
         np.maximum.at(lanes.peak, at, y)  # a lane may have several turning points
         limit = self.batch.equation.on(lanes.side, lanes.cell).limit
         fallen = at[y >= np.broadcast_to(limit, wanted.shape)[at]]
         ends.over[fallen] = ~ends.failed[fallen]
+
+    def _of_rotation(self, lanes: Lanes, at: Array, y: Array, moment: Array) -> Array:
+        """The second moment of |theta|/alpha from that of y of the lanes `at`."""
+        equation = self.batch.equation.on(lanes.side[at], lanes.cell[at])
+        rate: Array = equation.rotation_rate(y, np.ones(at.size))
+        return rate * rate * moment
 
     def _show(self, lanes: Lanes, result: StepResult, wanted: Array) -> None:
         """Show the steps to the observers; wanted: indices of lanes that are still
@@ -239,10 +278,18 @@ class Run:
             seg, lanes.segment, lanes.phase + lanes.omega * h
         )
         lanes.y = np.zeros(h.size)
+        omega, drag = lanes.omega, 2.0 * batch.equation.damping
         batch.contact.impact(batch.cells, lanes, v, b)
         lanes.force = seg.force_at_impact(
             lanes.side, lanes.amplitude, lanes.segment, lanes.phase, lanes.force
         )
+        if batch.peaks:
+            lanes.moments[:3] = through_impact(
+                (lanes.moments[0], lanes.moments[1], lanes.moments[2]),
+                (v, b - drag * v),
+                (lanes.v, lanes.force - drag * lanes.v),
+                omega / lanes.omega,
+            )
         lanes.impacts += lanes.segment < batch.shaken if batch.equation.damping else 1
         self._renew_forces(lanes)
         if batch.equation.damping:
@@ -274,6 +321,7 @@ class Run:
         )
         lanes.segment[resting], lanes.phase[resting] = again.segment, again.phase
         lanes.y[resting], lanes.v[resting], lanes.force[resting] = 0.0, 0.0, again.force
+        lanes.moments[:3, resting] = 0.0
         batch.contact.turn(batch.cells, lanes, resting, again.side)
         self.work.sequences_closed += int(ends[resting].sum())
         self.work.rests_skipped += resting.size
@@ -320,12 +368,30 @@ class Run:
             upright = lanes.take(at[outcome == Outcome.ROCKED])
             for observer in self.observers:
                 observer.free(upright)
+        if closing.still and self.batch.peaks:
+            self._free_peaks(lanes, at, peak)
         self.finish(lanes, at, outcome, peak)
         if closing.counts:
             setattr(
                 self.work, closing.counts, getattr(self.work, closing.counts) + at.size
             )
         return at
+
+    def _free_peaks(self, lanes: Lanes, at: Array, peak: Array | float) -> None:
+        """Take the peaks of free motions into the moments of the lanes `at`."""
+        batch = self.batch
+        free = np.flatnonzero(np.broadcast_to(peak, at.shape) > lanes.peak[at])
+        at = at[free]
+        if not at.size:
+            return
+
+        def peak_of(y: Array, v: Array) -> Array:
+            return batch.contact.free_motion(batch.equation, lanes, at, y, v).peak
+
+        y, v = lanes.y[at], lanes.v[at]
+        moment = at_free_peak(lanes.moments[:3, at], y, v, peak_of)
+        top = np.broadcast_to(peak, free.shape) if np.ndim(peak) == 0 else peak[free]
+        lanes.moments[3, at] = self._of_rotation(lanes, at, np.asarray(top), moment)
 
     def overturn(self, lanes: Lanes, at: Array) -> None:
         """Finish the lanes `at` as overturned."""
@@ -352,6 +418,7 @@ class Run:
         self.outcome[cell] = outcome
         if self.batch.peaks:
             self.theta_ratio[cell] = self.batch.rotation(lanes, at, peak)
+            self.condition[cell] = np.sqrt(lanes.moments[3, at])
         rocked = cell[self.outcome[cell] == Outcome.ROCKED]
         if self.batch.free_fall is not None:
             self._lose_contact(rocked[self.batch.free_fall.occurs[rocked]])

@@ -16,6 +16,7 @@ import numpy as np
 
 from ...motions.blocks import largest
 from ...motions.segments import Samples
+from ..condition import moved as along_arcs
 from ..lanes import Array
 from ..march.engine import Run
 from ..observers.observer import Propagation
@@ -249,7 +250,7 @@ class ExactStepper(SampleStepper[ExactLanes]):
         proved.
         """
         own, go = lanes.take(at), np.ones(at.size, dtype=bool)
-        course = self._course(own)
+        course, total = self._course(own), np.zeros(at.size)  # time on the way [tau]
         for _ in range(_ROUNDS):
             # Lemma 11: whole samples that lie before the first possible impact.
             ahead, past, fall = self._ahead(own, course)
@@ -271,11 +272,14 @@ class ExactStepper(SampleStepper[ExactLanes]):
             level = np.minimum(np.frexp(ahead)[1], course.top)
             level[held] = np.frexp(count[held] // 2)[1] - 1
 
+            total += np.where(moved, time, 0.0)
             self._move(own, there, peak, moved)
             own.level = np.where(go, level, own.level)
             go &= own.segment < course.last
             if np.count_nonzero(go) * _FEW < at.size:
                 break
+        if self.run.batch.peaks:
+            own.moments[:3] = along_arcs(own.moments, total, 1.0, 0.0)
         lanes.put(at, own)
         return go
 
@@ -350,7 +354,7 @@ class ExactStepper(SampleStepper[ExactLanes]):
         falls = -v >= np.maximum(start, 0.0) * (0.5 * time)
         top = np.where(
             (start < 0.0) & (v > 0.0),
-            y + v * v / (-start + np.sqrt(start * start - v * v)),
+            turn_below(y, v, start),
             np.inf,
         )
         held = high[~(rises | falls | (top <= step.peak[high]))]
@@ -374,6 +378,13 @@ class ExactStepper(SampleStepper[ExactLanes]):
         return -np.abs(drive) * self.stretches.at(
             begin, lanes.level[at], lanes.segment[at] - self.first.take(cell)
         )
+
+
+def turn_below(y: Array, v: Array, start: Array) -> Array:
+    """The y at which y'' = start + (change of y), start < 0, turns a body at y with v
+    > 0 inwards; NaN if it does not.
+    """
+    return np.asarray(y + v * v / (-start + np.sqrt(start * start - v * v)))
 
 
 def horizon(y: Array, v: Array, least: Array) -> tuple[Array, Array]:

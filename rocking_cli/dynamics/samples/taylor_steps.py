@@ -10,6 +10,7 @@ import numpy as np
 
 from ...motions.blocks import largest
 from ...motions.segments import Samples, followed_by
+from ..condition import moved, slope_between
 from ..equations.equation import Drive, Equation
 from ..equations.recurrence import Rows, motion_terms
 from ..equations.taylor import WITHIN, degrees, factors_for, last_terms
@@ -20,6 +21,7 @@ from .stepper import PooledLanes, SampleStepper, gains
 
 LANES = 32768  # lanes: the cost of a round depends on its calls more than on its lanes
 _STEPS = 16  # Taylor steps in one call of `propagate`
+_CARRIED = 0.5  # tau over which the moments are carried at once, at most
 # share of the limit of y: beyond it the march decides whether the body overturns
 _NEARLY = 0.9
 
@@ -60,7 +62,10 @@ class TaylorStepper(SampleStepper[SteppingLanes]):
         equation, end = self.equation.on(own.side, own.cell), self.last.take(own.cell)
         factors = factors_for(own.pace, own.degree)
         last = own.degree * at.size + np.arange(at.size)
-        for _ in range(_STEPS):
+        # The moments change so slowly that they are carried over several steps at once.
+        every = max(1, int(_CARRIED / own.pace.max(initial=_CARRIED)))
+        started = own.take(slice(None))
+        for n in range(_STEPS):
             ramp = self._ramp(own.segment, own.outward, own.pace)
             y, v, proved = self._step(equation, own, ramp, factors, last)
             go &= proved
@@ -71,13 +76,28 @@ class TaylorStepper(SampleStepper[SteppingLanes]):
                 )
             own.y, own.v = np.where(go, y, own.y), np.where(go, v, own.v)
             own.peak = np.where(go, np.maximum(own.peak, y), own.peak)
-            own.segment += go
+            own.segment = own.segment + go
+            if self.run.batch.peaks and n % every == every - 1:
+                self._carry(equation, started, own)
+                started = own.take(slice(None))
             go &= own.segment < end
             if not go.any():
                 break
+        if self.run.batch.peaks:
+            self._carry(equation, started, own)
         lanes.segment[at], lanes.peak[at] = own.segment, own.peak
         lanes.y[at], lanes.v[at] = own.y, own.v
+        lanes.moments[:, at] = own.moments
         return go
+
+    def _carry(
+        self, equation: Equation, started: SteppingLanes, own: SteppingLanes
+    ) -> None:
+        """Carry the moments of lanes over the steps since they `started`."""
+        time = (own.segment - started.segment) * own.pace
+        states = (started.y, started.v), (own.y, own.v)
+        slope = slope_between(equation, *states, time)
+        own.moments[:3] = moved(own.moments, time, slope, equation.damping)
 
     def _ramp(self, k: Array, outward: Array, pace: Array) -> Drive:
         """The drive of lanes from sample k to the next one."""
@@ -153,6 +173,10 @@ class TaylorStepper(SampleStepper[SteppingLanes]):
         lanes.segment[at], lanes.phase[at] = some.segment[on] + 1, 0.0
         lanes.y[at], lanes.v[at] = y[on], v[on]
         lanes.peak[at] = np.maximum(some.peak[on], y[on])
+        if self.run.batch.peaks:
+            slope = slope_between(equation, (some.y, some.v), (y, v), ramp.unit)
+            carried = moved(some.moments, ramp.unit, slope, equation.damping)
+            lanes.moments[:3, at] = carried[:, on]
 
 
 def _drop(equation: Equation, ramp: Drive) -> Array:

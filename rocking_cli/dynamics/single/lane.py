@@ -310,6 +310,7 @@ class Lane:
             zero.copy(),
             count.copy(),
             count.copy(),
+            np.zeros((4, at.size)),
         )
 
     def tau(self, k: int, u: float) -> float:

@@ -123,6 +123,7 @@ class _March(MarchState):
         peak = -math.inf if self.listener is not None else self.peak / edge.unit
 
         k, u, y, v = self.segment - first, self.phase, self.y, self.v
+        self.carried = y, v, 0.0
         while k < last:
             # Lemma 12: no impact within the line; otherwise the net drive must stay
             # below 1 for Lemma 1.
@@ -149,6 +150,8 @@ class _March(MarchState):
                 return True
             self._keep(first + k, u, h, h, terms)
             k, u, y, v, self.force = k + 1, 0.0, end, speed / h, None
+            self._carry_on((y, v), h)
+        self._carry_on((y, v), 0.0, now=True)
         self.segment, self.phase, self.y, self.v = k + first, u, y, v
         return self.segment >= self.drive_lists.count
 
@@ -159,6 +162,7 @@ class _March(MarchState):
         hit = only_root(terms, h, self.edge.largest_fall, self.lane.zeta)
         self._keep(k, u, hit, h, terms)
         _, v = value(terms, hit / h, h)
+        self._carry_on((0.0, v), hit, now=True)
         self._go_to(k, u + hit * self.edge.omega)
         self._impact(min(v, 0.0))
 
@@ -237,6 +241,8 @@ class _March(MarchState):
         self._peaks(step.terms, step.h, reach, v)
         if reach > 0.0:
             self._keep(k, u, reach, step.h, step.terms)
+            if self.carries:
+                self.moments = self._carried((self.y, self.v), (y, v), reach)
 
         # The position and the state at the impact or at the end of the step.
         if hit is not None:
@@ -400,7 +406,11 @@ class _March(MarchState):
 
         for x in turns(terms, reach / h):
             y, _ = value(terms, x, h)
-            self.peak = max(self.peak, self._onto_first(y))
+            top = self._onto_first(y)
+            if self.carries and top >= self.peak:
+                start = terms[0], terms[1] / h
+                self._at_peak(self._carried(start, (y, 0.0), x * h)[0], y)
+            self.peak = max(self.peak, top)
             if y >= self.edge.limit:
                 self._finish(self._overturned())
             elif self.listener is not None:

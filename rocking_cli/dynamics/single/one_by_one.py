@@ -22,6 +22,7 @@ class OneByOne:
     theta_ratio: Array  # max |theta|/alpha [-], NaN where the body fell
     outcome: Array  # codes of `Outcome`
     impacts: Array  # impacts during the shaking
+    condition: Array  # condition of the largest rotation
 
     def __init__(
         self,
@@ -42,6 +43,7 @@ class OneByOne:
         self.theta_ratio = np.empty(size)
         self.outcome = np.empty(size, dtype=np.uint8)
         self.impacts = np.empty(size, dtype=np.int32)
+        self.condition = np.empty(size)
         with np.errstate(all="ignore"):
             for i in range(size):
                 ended = march(
@@ -50,6 +52,7 @@ class OneByOne:
                 self.outcome[i] = ended.outcome
                 self.theta_ratio[i] = ended.theta_ratio
                 self.impacts[i] = ended.impacts
+                self.condition[i] = ended.condition
 
     def loses_contact(self, i: int) -> bool:
         """True if the undamped body of cell i loses the ground."""

@@ -9,6 +9,14 @@ from typing import NamedTuple
 import numpy as np
 
 from ..batch import FreeFall
+from ..condition import (
+    STEEP,
+    Moments,
+    along,
+    at_free_peak,
+    slope_between,
+    through_impact,
+)
 from ..contacts.contact import Uplift
 from ..contacts.lasting_bounces import too_many_impacts
 from ..contacts.sequences import BELOW_ROUNDING, STILL
@@ -17,6 +25,11 @@ from ..equations.taylor import LONGEST, WITHIN
 from ..lanes import Cells, Lanes
 from ..outcome import Outcome
 from .lane import Lane, LaneEdge
+
+State = tuple[float, float]  # y and y'
+
+
+_CARRIED = 0.25  # tau for which the moments may wait
 
 
 class Listener(NamedTuple):
@@ -46,6 +59,9 @@ class Ended(NamedTuple):
     impacts: int  # number of impacts during the shaking
     # instant at which the ground falls away from the body [tau], None if it does not
     lost: float | None = None
+    condition: float = (
+        math.nan
+    )  # condition of the largest rotation, where it is carried
 
 
 class MarchState:
@@ -81,6 +97,16 @@ class MarchState:
         }
         # Largest y so far; no peak exceeds infinity.
         self.peak = 0.0 if self.watched else math.inf
+        # second moments of an error (`condition`), where they are carried: of the
+        # present state, and of |theta|/alpha at the largest peak
+        self.carries = peaks and listener is None
+        self.moments: Moments = (0.0, 0.0, 0.0)
+        self.peak_moment = 0.0
+        self.carried = (
+            0.0,
+            0.0,
+            0.0,
+        )  # y, y' up to which they hold, and time since [tau]
         self.impacts = self.steps = 0
         self.bounced = False  # True after the first impact
         self.reach = LONGEST  # longest step that the last series allowed [tau]
@@ -102,7 +128,32 @@ class MarchState:
             else self.force
         )
         lanes.peak[0] = self._from_first(self.peak)
+        lanes.moments[:3, 0] = self.moments
         return lanes
+
+    def _carried(self, start: State, end: State, h: float) -> Moments:
+        """The moments after an arc of duration h [tau] between two states (y, v)."""
+        zeta = self.lane.zeta
+        slope = slope_between(self.edge.equation, start, end, h)
+        rate = math.sqrt(max(float(slope), STEEP) + zeta * zeta)
+        return along(self.moments, math.exp(rate * h), h, rate, math.exp(-zeta * h))
+
+    def _carry_on(self, state: State, h: float, now: bool = False) -> None:
+        """Carry the moments on by h [tau] to this state (y, v), at once or with the
+        lines to come: they change slowly.
+        """
+        y, v, time = self.carried
+        time += h
+        if self.carries and time and (now or time > _CARRIED):
+            self.moments, time = self._carried((y, v), state, time), 0.0
+            y, v = state
+        self.carried = y, v, time
+
+    def _at_peak(self, moment: float, y: float) -> None:
+        """Keep the second moment of y at the largest peak so far, at y."""
+        equation = self.equation.on(np.array([self.edge.side]))
+        rate = float(equation.rotation_rate(np.array([y]), np.ones(1))[0])
+        self.peak_moment = rate * rate * moment
 
     def _onto_first(self, y: float) -> float:
         """The displacement on the first side that is as large a part of alpha as y on
@@ -145,6 +196,15 @@ class MarchState:
         self.edge, self.y, self.v = to, 0.0, -edge.speed_ratio * v
         fall = 1.0 - self._net(to, self.segment, self.phase)
         self.force = -fall
+        if self.carries:
+            drag = 2.0 * self.lane.zeta
+            before = self._net(edge, self.segment, self.phase) - 1.0
+            self.moments = through_impact(
+                self.moments,
+                (v, before - drag * v),
+                (self.v, self.force - drag * self.v),
+                edge.omega / to.omega,
+            )
         # Ask now and then, each time the number of impacts has doubled, whether they
         # would never end.
         if (
@@ -218,6 +278,7 @@ class MarchState:
         self.y = 0.0
         self.v = 0.0
         self.force = float(lift.force[0])
+        self.moments = 0.0, 0.0, 0.0
         self.edge = self.edges.get(float(lift.side[0]), self.edge)
         lifts = self.segment < self.drive_lists.count
         if self.listener is not None and before is not None:
@@ -301,7 +362,20 @@ class MarchState:
         elif free.overturns_after_impact[0]:
             self._finish(Outcome.OVERTURNED_AFTER_IMPACT)
         else:
-            self.peak = max(self.peak, self._onto_first(float(free.peak[0])))
+            highest = self._onto_first(float(free.peak[0]))
+            if self.carries and highest > self.peak:
+                moment = at_free_peak(
+                    lanes.moments[:3],
+                    lanes.y,
+                    lanes.v,
+                    lambda y, v: (
+                        self.contact.free_motion(
+                            self.equation, lanes, np.array([0]), y, v
+                        ).peak
+                    ),
+                )
+                self._at_peak(float(moment[0]), float(free.peak[0]))
+            self.peak = max(self.peak, highest)
             self._finish(Outcome.ROCKED)
 
     def _note(self, event: str, y: float, v: float) -> None:
@@ -334,5 +408,6 @@ class MarchState:
             lost = self.lane.tau(
                 int(self.free_fall.segment[0]), float(self.free_fall.phase[0])
             )
-        self.end = Ended(outcome, ratio, self.impacts, lost)
+        condition = math.sqrt(self.peak_moment)
+        self.end = Ended(outcome, ratio, self.impacts, lost, condition)
         return self.end

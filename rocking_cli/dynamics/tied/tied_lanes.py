@@ -55,6 +55,7 @@ class TiedLanes(Lanes):
             branch=np.zeros(shape, dtype=np.int64),
             plastic=np.zeros(shape),
             farthest=np.zeros(shape),
+            moments=np.zeros((4, cell.size)),
             **{name: np.zeros(cell.size) for name in numbers},
             **{name: np.zeros(cell.size, dtype=np.int64) for name in counts},
             **{name: np.zeros(cell.size, dtype=bool) for name in signs},
@@ -140,6 +141,7 @@ class Found:
     outcome: Array  # codes of `Outcome`, as in `Response`, (cells,)
     theta_ratio: Array  # max |theta|/alpha [-], as in `Response`, (cells,)
     impacts: Array  # number of impacts during the shaking, as in `Response`, (cells,)
+    condition: Array  # condition of theta_ratio, as in `Response`, (cells,)
     steps: Array  # number of steps, (cells,)
     # branch of the force law of each device at the end of the march, (sides, devices,
     # cells)
@@ -158,6 +160,7 @@ class Found:
             np.zeros(size, dtype=np.uint8),
             np.full(size, np.nan),
             np.zeros(size, dtype=np.int32),
+            np.full(size, np.nan),
             np.zeros(size, dtype=np.int64),
             np.zeros(shape, dtype=np.int64),
             np.zeros(shape),

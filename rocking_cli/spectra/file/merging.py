@@ -153,16 +153,23 @@ def _copied(files: Sequence[SpectraFile], writer: SpectraWriter) -> np.ndarray:
 
 def _totals(files: Sequence[SpectraFile], outcomes: np.ndarray) -> dict[str, Any]:
     """Return the closing attributes of the whole file from those of the shards."""
-    run_time, check_time, checked, error = (
+    run_time, check_time, checked, difference, bound = (
         [file.attributes.get(key, 0) for file in files]
-        for key in ("run_time", "check_time", "checked_cells", "estimated_error")
+        for key in (
+            "run_time",
+            "check_time",
+            "checked_cells",
+            "largest_difference",
+            "error_bound",
+        )
     )
     return {
         "cells": int(outcomes.sum()),
         "run_time": sum(run_time),
         "check_time": sum(check_time),
         "checked_cells": sum(checked),
-        "estimated_error": max(error),
+        "largest_difference": max(difference),
+        "error_bound": max(bound),
         **{f"cells_{o.flag}": int(outcomes[o]) for o in Outcome},
     }
 

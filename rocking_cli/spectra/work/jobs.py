@@ -30,10 +30,13 @@ from ...motions import Motion
 from ...processes import Run, processes
 from ...structures.friction import friction_that_slides
 from ...structures.parameters import RockingParameters
+from ..error_bound import Conditions
 from ..scene import CellBand, Scene, Unit
-from ..verification import Answer, Place, Verification, condition_of, reference
+from ..verification import Answer, Place, Verification, reference
 
 TOGETHER = 1 << 19  # cells of an exact equation that a worker computes in one batch
+
+STEP = 1e-7  # relative change of the input of tied bodies for their condition
 
 Item = list[Unit] | Place
 """A batch of units, or a cell for the reference."""
@@ -49,8 +52,9 @@ class Report:
     work: Work  # counters over all places
     outcomes: np.ndarray  # number of cells of each outcome, over all places
     differences: np.ndarray  # number of cells of each `Difference`, over all places
-    # (outcome, theta/alpha) of its cells that the verification needs
-    seen: Mapping[Place, tuple[int, float]]
+    conditions: Conditions  # of the cells that stand, over all places
+    # (outcome, theta/alpha, condition) of its cells that the verification needs
+    seen: Mapping[Place, tuple[int, float, float]]
 
 
 Block = dict[str, np.ndarray]
@@ -205,6 +209,7 @@ class Job:
             "theta_ratio": got.theta_ratio,
             "outcome": got.outcome,
             "impacts": got.impacts,
+            "condition": got.condition,
             "velocity_ratio": rate,
         }, got.work
 
@@ -233,20 +238,11 @@ class Job:
             )
         else:
             got = response(system, motion, *cells)
-        if "condition" in self.quantities:
-            # for several sets of cells in turn
-            pairs = self._joined_system(structures * 2, counts * 2)
-            amplitude, omega, eta = cells
-            condition = condition_of(
-                partial(response, pairs, motion),
-                amplitude,
-                omega,
-                eta,
-                method.stated_tolerance or 0.0,
+        if system.devices is not None:
+            shifted = response(
+                system, motion, *(x * (1.0 + STEP) for x in cells[:2]), cells[2]
             )
-            extra["condition"] = np.where(
-                got.outcome == Outcome.LOST_CONTACT, np.nan, condition
-            )
+            got = got._replace(condition=condition_by_difference(got, shifted))
         if "linear" in self.quantities:
             linear = response(
                 LINEAR.system_of_cells(structures, counts), motion, *cells
@@ -260,6 +256,7 @@ class Job:
             "theta_ratio": got.theta_ratio,
             "outcome": got.outcome,
             "impacts": got.impacts,
+            "condition": got.condition,
             **extra,
         }, got.work
 
@@ -332,18 +329,33 @@ class Job:
             work,
             outcomes,
             len(places) * differences,
+            sum(
+                (Conditions.of(block["condition"]) for block in places[1:]),
+                Conditions.of(places[0]["condition"]),
+            ),
             self.seen(unit, places[0]),
         )
 
-    def seen(self, unit: Unit, block: Block) -> dict[Place, tuple[int, float]]:
-        """Return outcome and theta/alpha of the cells of this unit that the
+    def seen(self, unit: Unit, block: Block) -> dict[Place, tuple[int, float, float]]:
+        """Return outcome, theta/alpha and condition of the cells of this unit that the
         verification needs.
         """
         found = {}
         for place in self.wanted.get((unit.places[0], unit.row, unit.column), ()):
             at = place[1] - unit.row, place[2] - unit.column
-            found[place] = int(block["outcome"][at]), float(block["theta_ratio"][at])
+            numbers = (float(block[key][at]) for key in ("theta_ratio", "condition"))
+            found[place] = (int(block["outcome"][at]), *numbers)
         return found
+
+
+def condition_by_difference(got: Response, shifted: Response) -> np.ndarray:
+    """Return the condition of cells whose march carries none, those with ties: the
+    change of theta_ratio over the relative change `STEP` of A and Omega, at least 1.
+    """
+    change = np.abs(shifted.theta_ratio - got.theta_ratio)
+    rotates = np.isfinite(got.theta_ratio) & (got.theta_ratio > 0.0)
+    found = np.nan_to_num(change / STEP, nan=1.0 / STEP)
+    return np.where(rotates, np.maximum(found, 1.0), np.nan)
 
 
 def _joined(blocks: Sequence[Block]) -> Block:

@@ -50,6 +50,6 @@ def sliding_block(
         "difference": np.full(band.shape, Difference.AGREES, dtype=np.uint8),
         "slide_max": np.where(lost, np.nan, length),
     }
-    wanted = {name for key in quantities for name in QUANTITIES[key]}
+    wanted = {name for key in quantities for name in QUANTITIES[key]} | {"condition"}
     left_out = {name for names in QUANTITIES.values() for name in names} - wanted
     return {name: every[name] for name in every.keys() - left_out}

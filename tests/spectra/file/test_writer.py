@@ -304,7 +304,7 @@ def test_xarray_sees_dimensions_coordinates_units_and_flags(output):
         assert list(d.outcome.flag_values) == [o.value for o in Outcome]
         assert d.attrs["Conventions"] == "CF-1.11"
         assert "kind: block" in d.attrs["documents"]
-        assert d.attrs["estimated_error"] < 1e-9
+        assert d.attrs["largest_difference"] < 1e-9
         for name in d.variables:
             assert "units" in d[name].attrs, name
             assert "long_name" in d[name].attrs, name
