@@ -405,7 +405,7 @@ TABLES: tuple[Kind, ...] = (
     ({"motion", "outcome_linear", "first_overturning_a", "capacity_demand"}, checked),
     ({"curve", "Omega", "A"}, closed_forms),
     ({"structure", "tau", "theta_ratio", "t", "theta"}, comparison),
-    ({"method", "time_per_cell", "error_max"}, accuracy),
+    ({"method", "time_per_cell", "largest_difference"}, accuracy),
     ({"im", "limit_state", "probability", "fraction"}, fragility_curves),
     ({"pga", "pgv_pga", "outcome"}, two_measures),
     ({"t", "slide", "slide_velocity", "ground_acceleration"}, slide_history),

@@ -18,6 +18,7 @@ from ..dynamics.response import response
 from ..errors import UsageError
 from ..motions.given import AnyMotion, with_grid
 from ..motions.grid import Grid
+from ..spectra.error_bound import tolerance_of
 from ..spectra.scene import PulseScene
 from ..spectra.verification import sampled_cells
 from ..structures.given import Structure, structure_from
@@ -33,8 +34,9 @@ def work_precision(
     """Yield the accuracy of each method at each tolerance (None: exact) for the first
     structure of a scene, as rows.
 
-    time_per_cell [s]; error_max, error_99: maximum and 99th percentile of the error of
-    theta/alpha over the cells with the right outcome; misjudged: number of the others.
+    time_per_cell [s]; largest_difference, error_99: maximum and 99th percentile of the
+    error of theta/alpha over the cells with the right outcome; error_bound: the
+    tolerance times their largest condition, None of SciPy; misjudged: number of the others.
     sample, scipy: number of cells of the engine and of each SciPy solver. Raises
     UsageError if no cell of the grid lifts.
     """
@@ -102,7 +104,9 @@ def _of_engine(
         for code, ratio in zip(found.outcome, found.theta_ratio, strict=True)
     ]
     name = "rocking, exact" if tolerance is None else "rocking, in steps"
-    return _compare(name, tolerance, answers, known, cost)
+    largest = float(np.fmax.reduce(found.condition, initial=0.0))
+    bound = min(1.0, tolerance_of(method) * largest)
+    return _compare(name, tolerance, answers, known, cost) | {"error_bound": bound}
 
 
 def _timed_cells(scene: PulseScene) -> tuple[np.ndarray, np.ndarray]:
@@ -164,7 +168,7 @@ def accuracy(
     -------
     list of dict
         rows of `rocking accuracy`: method, tolerance, cells, time_per_cell [s],
-        error_max and error_99 of theta/alpha [-], misjudged
+        largest_difference and error_99 of theta/alpha [-], misjudged, error_bound
 
     Raises
     ------
@@ -223,7 +227,8 @@ def _compare(
         "tolerance": tolerance,
         "cells": len(answers),
         "time_per_cell": cost,
-        "error_max": float(errors.max()) if errors.size else math.nan,
+        "largest_difference": float(errors.max()) if errors.size else math.nan,
         "error_99": float(np.quantile(errors, 0.99)) if errors.size else math.nan,
         "misjudged": len(answers) - len(right),
+        "error_bound": None,
     }

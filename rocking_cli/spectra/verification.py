@@ -1,4 +1,5 @@
-"""Checks of a sweep: some cells computed again by the reference, and a comparison of the two equations.
+"""Checks of a sweep: some cells computed again by the reference, and a comparison of
+the two equations.
 
 Half of the cells are drawn at random, half are those of high sensitivity: of 128 drawn
 cells the ones whose rotation differs most from that of the next cell of the grid. A
@@ -152,7 +153,7 @@ class Verification:
     ) -> None:
         self.scene = scene
         self.chunk = chunk
-        # (outcome, theta/alpha, condition) that the sweep found at the places of `wanted`
+        # (outcome, theta/alpha, condition) that the sweep found at `wanted`
         self.seen: dict[Place, tuple[int, float, float]] = {}
         # the places that are checked: True if one was chosen for its sensitivity, False
         # if it was drawn by chance

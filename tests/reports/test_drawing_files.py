@@ -36,7 +36,7 @@ def test_accuracy_is_error_over_time(drawn, table):
     for method, line in lines(axes).items():
         mine = [r for r in rows if r["method"] == method]
         assert line[0] == pytest.approx(1e6 * numbers(mine, "time_per_cell"), rel=1e-12)
-        same(line, line[0], np.maximum(numbers(mine, "error_max"), 1e-17))
+        same(line, line[0], np.maximum(numbers(mine, "largest_difference"), 1e-17))
 
 
 @pytest.mark.parametrize(

@@ -64,7 +64,7 @@ def accuracy(figure: Figure, rows: Rows, _: Units) -> list[Axes]:
     ):
         axes.plot(
             1e6 * column(some, "time_per_cell"),
-            np.maximum(column(some, "error_max"), 1e-17),
+            np.maximum(column(some, "largest_difference"), 1e-17),
             marker=marker,
             **style,
         )
