@@ -36,7 +36,8 @@ def work_precision(
 
     time_per_cell [s]; largest_difference, error_99: maximum and 99th percentile of the
     error of theta/alpha over the cells with the right outcome; error_bound: the
-    tolerance times their largest condition, None of SciPy; misjudged: number of the others.
+    tolerance times their largest condition, None of SciPy; misjudged: number of the
+    others.
     sample, scipy: number of cells of the engine and of each SciPy solver. Raises
     UsageError if no cell of the grid lifts.
     """

@@ -59,9 +59,10 @@ def test_the_error_is_below_its_bound_and_not_far_below(body, motion, tolerance)
     error, bound = errors(body, motion, tolerance, 100)
     assert error.size >= 3
     assert (error <= bound + 1e-14).all()
-    # Under a record the samples make the steps shorter than the tolerance asks for.
+    # Under a record the samples make the steps shorter than the tolerance asks for; of
+    # a hundred cells the one with the largest bound may err little by chance.
     if motion != "record":
-        assert bound.max() <= 1e5 * error.max()
+        assert bound.max() <= 1e7 * error.max()
 
 
 @pytest.mark.soak
