@@ -61,7 +61,8 @@ def through_impact(
         p * (q * yy + turn * yv),
         q * q * yy + 2.0 * q * turn * yv + turn * turn * vv,
     )
-    return tuple(np.clip(x, -_LARGEST, _LARGEST) for x in found)  # type: ignore
+    yy, yv, vv = (np.clip(x, -_LARGEST, _LARGEST) for x in found)
+    return yy, yv, vv
 
 
 def moved(moments: Array, h: Array, slope: Array | float, damping: float) -> Array:

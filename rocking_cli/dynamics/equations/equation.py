@@ -185,8 +185,9 @@ class Equation(ABC):
         weight over m g.
         """
 
-    def slope(self, y: Array, force: Array) -> Array | float:
+    def slope(self, y: Array | float, force: Array | float) -> Array | float:
         """df/dy at displacement y, under the drive that gives this force f."""
+        y, force = np.atleast_1d(y), np.atleast_1d(force)
         still = self.force(y, np.zeros(y.shape))
         drive = (force - still) / (self.force(y, np.ones(y.shape)) - still)
         return np.asarray((self.force(y + _STEP, drive) - force) / _STEP)

@@ -96,7 +96,7 @@ class LinearEquation(Equation):
         """The force f = w (y - 1) + a."""
         return weight * (y - 1.0) + a
 
-    def slope(self, y: Array, force: Array) -> float:
+    def slope(self, y: Array | float, force: Array | float) -> float:
         """df/dy, 1 under the weight of the body alone."""
         return 1.0
 

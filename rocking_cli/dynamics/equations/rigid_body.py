@@ -210,7 +210,7 @@ class RigidBodyEquation(Equation):
         z = self.alpha - self.sin * y
         return a * np.cos(z) / self.cos - weight * (np.sin(z) / self.sin)
 
-    def slope(self, y: Array, force: Array) -> Array:
+    def slope(self, y: Array | float, force: Array | float) -> Array:
         """df/dy, with the drive by the force: (1 + f sin(alpha) sin z)/cos z."""
         z = self.alpha - self.sin * y
         return np.asarray((1.0 + force * self.sin * np.sin(z)) / np.cos(z))

@@ -135,7 +135,7 @@ class MarchState:
         """The moments after an arc of duration h [tau] between two states (y, v)."""
         zeta = self.lane.zeta
         slope = slope_between(self.edge.equation, start, end, h)
-        rate = math.sqrt(max(float(slope), STEEP) + zeta * zeta)
+        rate = math.sqrt(max(float(np.ravel(slope)[0]), STEEP) + zeta * zeta)
         return along(self.moments, math.exp(rate * h), h, rate, math.exp(-zeta * h))
 
     def _carry_on(self, state: State, h: float, now: bool = False) -> None:
