@@ -50,7 +50,9 @@ _NUMBERS = (
     "run_time",
     "check_time",
     "checked_cells",
-    "estimated_error",
+    "error_bound",
+    "error_bound_median",
+    "largest_difference",
     "tolerance",
 )
 
