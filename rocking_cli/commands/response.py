@@ -93,6 +93,7 @@ def response(
     whose friction is below lambda slides and never rocks: its rows are t, slide [m],
     slide_velocity [m/s] and ground_acceleration, its events slide and stop.
     """
+    from ..reports.response_words import response_in_words
     from ..responses.time_history import time_history
 
     figure.check()
@@ -134,7 +135,7 @@ def response(
     if shaken.grid is not None:
         demand.note_demand(shaken.shakes)
     note(*model.in_words(methods, structures, bare))
-    note(*found.summary(forces=wanted.forces))
+    note(*response_in_words(found, forces=wanted.forces))
     if wanted.release:
         from ..responses.sliding import stuck_in_words
 

@@ -24,7 +24,7 @@ from ..processes import available_cpus, part_reporter, processes
 from ..structures.friction import friction_that_slides
 from ..structures.given import Structure, structure_from
 from ..structures.parameters import RockingParameters
-from .force_history import ForceHistory
+from .contact_forces import ContactForces
 from .known_shares import KnownShares
 from .shaken import answer_of, capacity_search, least_acceleration, respond
 from .time_history import time_history
@@ -419,16 +419,14 @@ def _of_history(
         return {}
     found = time_history(structure, motion, shaking, [method])
     if linked:
-        from .mechanism_history import MechanismHistory
-
         try:
             forces = found.forces[method.model]
         except UsageError:  # they are not unique
             return {}
-        if isinstance(forces, ForceHistory):
+        if isinstance(forces, ContactForces):
             return {}
         opens: dict[str, Any] = {"opens": forces.opens()}
-        if isinstance(forces, MechanismHistory) and structure.friction is not None:
+        if structure.friction is not None:
             row = forces.summary("tau", 1.0)
             opens["friction_needed"] = row["friction_needed"]
         return opens

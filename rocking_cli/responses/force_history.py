@@ -1,399 +1,252 @@
-"""Forces between a rigid body and the ground along a history, their extremes in time,
-and the impulses of impacts, by the formulas of `ground_forces`.
+"""Forces along a history, in columns, and their extremes in time. The structure gives
+the forces at instants of one side.
 """
 
+from __future__ import annotations
+
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..dynamics.outcome import Outcome
+from ..dynamics.equations.equation import Equation, Point
 from ..motions.blocks import blocks
+from ..structures.mechanics.joint_forces import Measured
 from ..structures.parameters import RockingParameters
-from .arcs import LATE, Event, History
-from .chebyshev import Extent, extent, first_below
-from .ground_forces import (
-    ForceEdge,
-    Forces,
-    GroundForceExtremes,
-    RequiredFriction,
-    body_forces,
-)
+from .arcs import Event, History
+from .chebyshev import extent
 from .ground_history import GroundMotion
 
 Array = np.ndarray
 
 _INSTANTS = 0.5 * (1.0 - np.cos(np.linspace(0.0, np.pi, 17)))  # of an arc
-_TOGETHER = 4096  # arcs
+_INSIDE = 0.5 * (1.0 - np.cos(np.linspace(0.0, np.pi, 25)))[1:-1]
+_TOGETHER = 256  # arcs
+_ROWS = 4096  # instants
 # rotation [rad] beyond which no forces are computed: the body has left the ground
 _FAR = 100.0
 
 
+class Worst(NamedTuple):
+    """The extreme of a quantity over the joints of both sides and time."""
+
+    value: float  # [-]
+    tau: float  # its time [-]
+    side: float  # the side that moves, +1 right or -1 left
+    place: int  # number of the joint or hinge
+
+
+class Instants(NamedTuple):
+    """Instants of a structure on one side."""
+
+    side: float  # +1 or -1
+    equation: Equation  # of motion, on the side of each instant
+    point: Point  # y and its derivatives in the unit of the side
+    across: Array  # xg''/g, (n,)
+    up: Array  # zg''/g, (n,)
+
+
 @dataclass(frozen=True)
 class ForceHistory:
-    """The forces of one response of a rigid body on its edges (right, left)."""
+    """The forces of one response, at the joints of a mechanism; `ContactForces` adds
+    what is known of a rigid body alone.
+    """
 
-    structure: RockingParameters  # a rigid body whose mass centre is known
-    edges: tuple[ForceEdge, ForceEdge]  # right, left
+    structure: RockingParameters  # the one that rocks
     ground: GroundMotion  # motion and amplitude
     found: History  # the response
+    # of each side, +1 right and -1 left: gives the forces at `Instants`
+    statics: Mapping[float, Any]
 
-    def edge(self, side: float) -> ForceEdge:
-        """Return the edge on which the body stands on this side, +1 right
-        or -1 left.
+    @property
+    def lost(self) -> float | None:
+        """The first instant tau without contact with the ground; None if there is none,
+        or if it is not known, as of a mechanism.
         """
-        return self.edges[side < 0.0]
+        return None
 
-    def impulses(self, event: Event) -> Forces | None:
-        """Return the impulses of an impact; None for a one-sided body, whose backing
-        bears an unknown part of them.
-        """
-        if self.structure.one_sided:
-            return None
-        here, there = self.edge(event.side), self.edge(-event.side)
-        w = abs(event.rate) * here.alpha  # by tau of the history
-        scale = w * here.kappa * (self.structure.p / here.p) ** 2 / here.arm
-        across = here.arm * math.cos(here.alpha) * (1.0 - here.eta)
-        upwards = here.arm * math.sin(here.alpha) + here.eta * there.arm * math.sin(
-            there.alpha
-        )
-        return Forces(event.side * scale * across, scale * upwards)
-
-    def at(self, tau: Array) -> Forces:
-        """Return the forces at times tau, in its shape; at an impact or a jump those
-        after it, NaN after the end.
-        """
-        tau = np.asarray(tau, dtype=float)
-        fx, fz = self.ground.at(tau)
-        fz = 1.0 + fz
-        inside, arc = self.found.arcs.at(tau)
-        fx[inside], fz[inside] = self.along(
-            arc, np.minimum(tau[inside], self.found.arcs.stop[arc])
-        )
-        fx[tau > self.found.end] = fz[tau > self.found.end] = np.nan
-        return Forces(fx, fz)
-
-    def columns(self, tau: Array) -> dict[str, Array]:
-        """Return arrays by column name at times tau."""
-        fx, fz = self.at(tau)
-        return {"fx_ratio": fx, "fz_ratio": fz}
-
-    def around(self, tau: float) -> tuple[Forces, Forces]:
-        """Return the forces just before and just after an instant; they differ at
-        impacts and at jumps of the ground acceleration.
-        """
-        arcs, at = self.found.arcs, np.array([tau])
-        before = np.flatnonzero((arcs.start * LATE < tau) & (tau <= arcs.stop * LATE))[
-            :1
-        ]
-        after = np.flatnonzero((arcs.start <= tau * LATE) & (tau * LATE < arcs.stop))[
-            :1
-        ]
-        found = [
-            self.along(arc, np.minimum(at, arcs.stop[arc])) if arc.size else self.at(at)
-            for arc in (before, after)
-        ]
-        first, then = (Forces(float(f.fx[0]), float(f.fz[0])) for f in found)
-        return first, then
-
-    def along(self, arc: Array, tau: Array) -> Forces:
-        """Return the forces at times tau; arc: the index of the arc of each time, whose
-        own values hold at both of its ends.
+    def forces_at(self, arc: Array, tau: Array) -> Measured:
+        """Return the forces at times tau; arc: the index of the arc of each time, all
+        on one side. The values of an arc hold at both of its ends.
         """
         arcs = self.found.arcs
-        side, point = arcs.side[arc], arcs.points(arc, tau)
-        equation = self.found.equation.on(side)  # of which the rotation is linear in y
-        right, left = self.edges
-        alpha, kappa = (
-            np.where(side > 0.0, *pair)
-            for pair in ((right.alpha, left.alpha), (right.kappa, left.kappa))
+        sides = arcs.side[arc]
+        middle = 0.5 * (arcs.start[arc] + arcs.stop[arc])
+        at = Instants(
+            float(sides[0]),
+            self.found.equation.on(sides),
+            arcs.points(arc, tau),
+            *self.ground.during(middle, tau),
         )
-        edge = right._replace(alpha=alpha, kappa=kappa)
-        u, rate, acceleration = (
-            edge.alpha * equation.rotation(x) for x in (point.y, point.v, point.b)
-        )
-        return body_forces(
-            edge,
-            side,
-            u,
-            rate,
-            acceleration,
-            *self.ground.during(0.5 * (arcs.start[arc] + arcs.stop[arc]), tau),
-        )
+        return self.statics[at.side].forces_at(at)
 
-    def _on(
-        self, arc: int, of: Callable[[Forces], Array]
+    def at_rest(self, tau: Array) -> dict[str, Array]:
+        """Return the columns of a structure at rest, NaN for a mechanism, which is then
+        statically indeterminate.
+        """
+        one, other = (self.statics[side].joints.names for side in (1.0, -1.0))
+        names = one + other if len(one) >= len(other) else other + one
+        return {name: np.full(tau.shape, np.nan) for name in names}
+
+    def columns(self, tau: Array) -> dict[str, Array]:
+        """Return arrays by column at times tau: of a rigid body the forces of the
+        ground, of a mechanism what `JointForces` or `RingForces` measures. At an impact
+        or a jump the values are those after it, after the end NaN.
+        """
+        arcs, found = self.found.arcs, self.at_rest(tau)
+        moving, arc = arcs.at(tau)
+        for side in (1.0, -1.0):
+            here = np.flatnonzero(arcs.side[arc] == side)
+            for part in blocks(here.size, _ROWS):
+                inside, on = moving[here[part]], arc[here[part]]
+                now = np.minimum(tau[inside], arcs.stop[on])
+                for name, values in self.forces_at(on, now).columns.items():
+                    found[name][inside] = values
+        for values in found.values():
+            values[tau > self.found.end] = np.nan
+        return found
+
+    @cached_property
+    def bounds(self) -> tuple[Array, dict[str, Array]]:
+        """(indices of arcs, upper bounds of each quantity on them, (arcs, places)): the
+        largest of 17 instants, raised by 5 % of their range. Arcs that begin beyond the
+        rotation `_FAR` are left out.
+        """
+        s, arcs = self.structure, self.found.arcs
+        turned = self.found.equation.on(arcs.side).rotation(arcs.flow.y)
+        known = (arcs.stop > arcs.start) & (s.alpha_on(arcs.side) * turned < _FAR)
+        order, found = list[Array](), dict[str, list[Array]]()
+        for side in (1.0, -1.0):
+            here = np.flatnonzero(known & (arcs.side == side))
+            for part in blocks(here.size, _TOGETHER):
+                arc = here[part]
+                span = (arcs.stop - arcs.start)[arc, None]
+                tau = arcs.start[arc, None] + span * _INSTANTS
+                measured = self.forces_at(
+                    np.repeat(arc, _INSTANTS.size), tau.ravel()
+                ).measures
+                order.append(arc)
+                for name, values in measured.items():
+                    found.setdefault(name, []).append(
+                        _raised(values.reshape(*tau.shape, -1))
+                    )
+        if not order:
+            return np.zeros(0, dtype=np.int64), {}
+        return np.concatenate(order), {
+            name: _joined(parts) for name, parts in found.items()
+        }
+
+    def along(
+        self, arc: int, of: Callable[[Measured], Array]
     ) -> tuple[Callable[[Array], Array], float, float]:
         """Return (f(tau), start, stop) of one arc, where f is the function `of` of the
         forces at tau.
         """
         arcs = self.found.arcs
         return (
-            lambda tau: of(self.along(np.full(tau.size, arc), tau)),
+            lambda tau: of(self.forces_at(np.full(tau.size, arc), tau)),
             float(arcs.start[arc]),
             float(arcs.stop[arc]),
         )
 
-    @cached_property
-    def _bounds(self) -> tuple[Array, Array, Array]:
-        """(indices of arcs, lower bounds of Fz, upper bounds of |Fx|/Fz) on each arc:
-        the extremes of 17 instants, widened by 5 % of their range. Arcs that begin
-        beyond the rotation `_FAR` are left out.
+    def _worst(self, name: str) -> Worst | None:
+        """Return the extreme of a quantity. Arcs and places go by their upper bound,
+        until it is below the largest value found; of equal values the first counts.
         """
-        arcs = self.found.arcs
-        alpha = np.where(arcs.side > 0.0, self.edges[0].alpha, self.edges[1].alpha)
-        arc = np.flatnonzero(
-            (arcs.stop > arcs.start)
-            & (alpha * self.found.equation.on(arcs.side).rotation(arcs.flow.y) < _FAR)
-        )
-        low, high = np.empty(arc.size), np.empty(arc.size)
-        for part in blocks(arc.size, _TOGETHER):
-            some = arc[part]
-            tau = (
-                arcs.start[some, None]
-                + (arcs.stop - arcs.start)[some, None] * _INSTANTS
-            )
-            fx, fz = (
-                x.reshape(tau.shape)
-                for x in self.along(np.repeat(some, _INSTANTS.size), tau.ravel())
-            )
-            with np.errstate(all="ignore"):
-                friction = np.where(fz > 0.0, np.abs(fx) / fz, np.inf)
-                low[part] = fz.min(axis=1) - 0.05 * np.ptp(fz, axis=1)
-                high[part] = np.where(
-                    low[part] > 0.0,
-                    friction.max(axis=1) + 0.05 * np.ptp(friction, axis=1),
-                    np.inf,
-                )
-        return arc, low, high
-
-    def rests(self) -> Iterator[tuple[float, float, float]]:
-        """Yield the intervals between visible arcs as times [tau]: the start, the end
-        of invisible bounces, the end of the rest.
-        """
-        arcs, found = self.found.arcs, self.found
-        begins, ends = np.append(0.0, arcs.stop), np.append(arcs.start, found.end)
-        still = [event.tau for event in found.events if event.event == "rest"]
-        for i in np.flatnonzero(ends > begins * (1.0 + 1e-12)).tolist():
-            a, b = float(begins[i]), float(ends[i])
-            yield a, next((x for x in still if a <= x <= b), b) if i else a, b
-
-    def _low_bounces(self, low: float, high: float) -> Iterator[tuple[float, Forces]]:
-        """Yield (tau, forces) of bounces too low to be seen, with zero speed, on each
-        edge at both ends of the interval [low, high]. One of these instants has the
-        extremes. Nothing for an empty interval.
-        """
-        if not high > low * (1.0 + 1e-12):
-            return
-        across, up = self.ground.during(0.5 * (low + high), np.array([low, high]))
-        for side in (1.0,) if self.structure.one_sided else (1.0, -1.0):
-            edge, equation = self.edge(side), self.found.equation.on(np.full(2, side))
-            drive = -side * across / (edge.alpha * equation.uplift_amplitude)
-            acceleration = edge.alpha * equation.rotation(
-                equation.force(np.zeros(2), drive, 1.0 + up)
-            )
-            found = body_forces(
-                edge, side, np.zeros(2), np.zeros(2), acceleration, across, up
-            )
-            yield from (
-                (tau, Forces(float(fx), float(fz)))
-                for tau, fx, fz in zip((low, high), *found, strict=True)
-            )
-
-    @cached_property
-    def extremes(self) -> GroundForceExtremes:
-        """The extremes of the response; those at rest leave out the forces between a
-        one-sided body and its backing.
-        """
-        resting, weights = self._at_rest()
-        bounces = [
-            bounce
-            for low, high, _ in self.rests()
-            for bounce in self._low_bounces(low, high)
-        ]
-        rocking = [RequiredFriction(forces.friction, tau) for tau, forces in bounces]
-        weights += [(1.0, 0.0), *((forces.fz, tau) for tau, forces in bounces)]
-        least, without_weight = self._least_on_arcs(min(weights))
-        rocking += without_weight
-        rocking += self._frictions_on_arcs(max(rocking, default=None))
-        lifting = [
-            self._after(event) for event in self.found.events if event.event == "uplift"
-        ][:1]
-        if self.found.outcome == Outcome.LOST_CONTACT:
-            # From a jump on there may be no weight; no instant before it shows that.
-            least = min(least, (0.0, self.found.end))
-            (rocking if lifting else resting).append(
-                RequiredFriction(math.inf, self.found.end)
-            )
-        impacts = [
-            RequiredFriction(impulses.friction, event.tau)
-            for event in self.found.events
-            if event.event == "impact" and (impulses := self.impulses(event))
-        ]
-        worst = [
-            max(group, default=None) for group in (resting, lifting, rocking, impacts)
-        ]
-        return GroundForceExtremes(worst[0], worst[1], worst[2], worst[3], *least)
-
-    def _at_rest(self) -> tuple[list[RequiredFriction], list[tuple[float, float]]]:
-        """Return (the frictions that the body needs at rest, its least weights as (Fz
-        over m g, tau)) of the pieces of the motion.
-        """
-        frictions: list[RequiredFriction] = []
-        weights: list[tuple[float, float]] = []
-        for _, rests, lifts in self.rests():
-            for weight, ratio in (
-                self.ground.extents(rests, lifts) if lifts > rests else ()
-            ):
-                weights.append((weight.least, weight.at_least))
-                frictions += (
-                    self._required_at_rest(ratio)
-                    if weight.least > 0.0
-                    else [RequiredFriction(math.inf, weight.at_least)]
-                )
-        return frictions, weights
-
-    def _least_on_arcs(
-        self, least: tuple[float, float]
-    ) -> tuple[tuple[float, float], list[RequiredFriction]]:
-        """Return (the least (Fz, tau) of `least` and the arcs, the infinite frictions
-        of the arcs without weight). Arcs go by their lower bound, until it is larger
-        than the least Fz that is known.
-        """
-        arcs, lows, _ = self._bounds
-        without_weight: list[RequiredFriction] = []
-        for i in np.argsort(lows, kind="stable").tolist():
-            if lows[i] > max(least[0], 0.0):
-                break
-            fz, tau, *_ = extent(*self._on(int(arcs[i]), lambda forces: forces.fz))
-            least = min(least, (fz, tau))
-            if fz <= 0.0:
-                without_weight.append(RequiredFriction(math.inf, tau))
-        return least, without_weight
-
-    def _frictions_on_arcs(
-        self, known: RequiredFriction | None
-    ) -> Iterator[RequiredFriction]:
-        """Yield the largest friction of each arc that may need more than `known`. Arcs
-        go by their upper bound, until it is below the largest friction found.
-        """
-        arcs, _, highs = self._bounds
-        most = 0.0 if known is None else known.friction
-        for i in np.argsort(-highs, kind="stable").tolist():
-            if highs[i] < most or math.isinf(most):
-                break
-            ratio = extent(
-                *self._on(int(arcs[i]), lambda forces: forces.fx / forces.fz)
-            )
-            required = max(
-                RequiredFriction(-ratio.least, ratio.at_least),
-                RequiredFriction(ratio.largest, ratio.at_largest),
-            )
-            most = max(most, required.friction)
-            yield required
-
-    @cached_property
-    def lost(self) -> float | None:
-        """The first instant tau with Fz <= 0; None if Fz > 0 at all times."""
-        if self.extremes.fz_min > 0.0:
+        arcs, bounds = self.bounds
+        if name not in bounds or not bounds[name].size:
             return None
-        found = [self.extremes.fz_min_tau] + [self.found.end] * (
-            self.found.outcome == Outcome.LOST_CONTACT
-        )
-        for bounces, rests, _ in self.rests():
-            found += [
-                tau for tau, (_, fz) in self._low_bounces(bounces, rests) if fz <= 0.0
-            ]
-        arcs, lows, _ = self._bounds
-        for arc in arcs[lows <= 0.0].tolist():
-            # Around 1 the series of `raised` ends where Fz has a root.
-            raised, low, high = self._on(arc, lambda forces: 1.0 + forces.fz)
-            if (
-                low < min(found)
-                and (first := first_below(raised, low, high, 1.0)) is not None
-            ):
-                found.append(first)
-        return min(found)
+        bound, best = bounds[name], (-math.inf, 0, 0, 0.0)
+        for at in np.argsort(-bound, axis=None, kind="stable").tolist():
+            row, k = divmod(at, bound.shape[1])
+            if bound[row, k] < best[0] or bound[row, k] == -math.inf:
+                break
 
-    def _required_at_rest(self, ratio: Extent) -> list[RequiredFriction]:
-        """Return the largest friction for each sign on a body at rest; ratio: the
-        extent of the horizontal force over the weight.
+            def values(forces: Measured, k: int = k) -> Array:
+                return forces.measures[name][:, k]
+
+            arc = int(arcs[row])
+            _, _, most, tau = extent(*self.along(arc, values))
+            best = max(best, (most, -arc, -k, tau))
+        most, arc, k, tau = best
+        side = float(self.found.arcs.side[-arc])
+        value = -most if name == "thrust_min" else most
+        return Worst(value, tau, side, self.statics[side].joints.places(name)[-k])
+
+    @cached_property
+    def extremes(self) -> Any:
+        """The extreme of each quantity by name; empty if nothing moved, or without a
+        joint whose forces are known.
+
+        thrust_min: least N over the weight; friction: largest |T|/N; of an arch also
+        eccentricity: largest |M|/(N t/2) away from the hinges, and hinge_force: largest
+        force at a hinge over the weight.
         """
-        found = [RequiredFriction(max(0.0, -ratio.least), ratio.at_least)]
-        if not self.structure.one_sided:
-            found.append(RequiredFriction(max(0.0, ratio.largest), ratio.at_largest))
-        return found
+        found = {name: self._worst(name) for name in self.statics[1.0].joints.SHOWN}
+        return {name: worst for name, worst in found.items() if worst is not None}
 
-    def _after(self, uplift: Event) -> RequiredFriction:
-        """Return the friction just after an uplift."""
-        arc = np.flatnonzero(self.found.arcs.stop > uplift.tau)[:1]
-        if not arc.size:  # the ground falls away in the same instant
-            return RequiredFriction(math.inf, uplift.tau)
-        fx, fz = (float(x[0]) for x in self.along(arc, self.found.arcs.start[arc]))
-        return RequiredFriction(Forces(fx, fz).friction, uplift.tau)
-
-    def event(self, event: Event, time: float) -> dict[str, float | None]:
-        """Return the forces before and after an event as columns, with the impulses of
-        an impact [s, or in tau if `time` is 1].
+    def opens(self) -> bool | None:
+        """True if another mechanism follows: a further hinge of an arch opens, a hinge
+        loses its compression, or a load leaves its body, at one of 23 instants inside
+        each arc. None if that is not known of every hinge.
         """
-        before, after = self.around(event.tau)
-        impulses = self.impulses(event) if event.event == "impact" else None
-        return {
-            "fx_ratio": before.fx,
-            "fz_ratio": before.fz,
-            "fx_ratio_after": after.fx,
-            "fz_ratio_after": after.fz,
-            "impulse_x": None if impulses is None else impulses.fx * time,
-            "impulse_z": None if impulses is None else impulses.fz * time,
-        }
+        starts, stops, *_ = self.found.arcs
+        tau = (starts + np.multiply.outer(_INSIDE, stops - starts)).ravel()
+        if np.any(self.statics[1.0].joints.opened(self.columns(tau))):
+            return True
+        return False if all(x.joints.complete for x in self.statics.values()) else None
 
     def summary(self, when: str, time: float) -> dict[str, Any]:
         """Return the extremes as a row; `when`: suffix of the columns of times, `time`:
         the factor from tau to their unit.
         """
-        extremes, stated = self.extremes, self.structure.friction
-        friction = (
-            extremes.friction.friction
-            if math.isfinite(extremes.friction.friction)
-            else None
-        )
+        found, row = self.extremes, dict[str, Any]()
+        for name, (column, places) in self.statics[1.0].joints.SHOWN.items():
+            worst = found.get(name)
+            known = worst is not None and np.isfinite(worst.value)
+            row[column] = worst.value if known else None
+            for place in places:
+                row[f"{name}_{place}"] = None if worst is None else _place(worst, place)
+            row[f"{name}_{when}"] = None if worst is None else worst.tau * time
+        values = {name: worst.value for name, worst in found.items()}
+        lifted = bool(found) and bool(self.statics[1.0].joints.opened(values))
+        row["opens"] = lifted or self.opens()
+        if (limit := self.structure.friction) is not None:
+            row["slides"] = "friction" in found and found["friction"].value > limit
+        return row
+
+    def event(self, event: Event, _: float) -> dict[str, float | None]:
+        """Return the columns just after an event."""
         return {
-            "friction_needed": friction,
-            f"friction_{when}": extremes.friction.tau * time,
-            "friction_impact": (
-                None
-                if extremes.impact is None
-                or not math.isfinite(extremes.impact.friction)
-                else extremes.impact.friction
-            ),
-            "fz_min": extremes.fz_min,
-            f"fz_min_{when}": extremes.fz_min_tau * time,
-            **({} if stated is None else {"slides": extremes.slides(stated)}),
+            name: float(x[0]) if np.isfinite(x[0]) else None
+            for name, x in self.columns(np.array([event.tau])).items()
         }
 
-    def words(self) -> str:
-        """Return a sentence on the extremes."""
-        extremes, s = self.extremes, self.structure
-        friction, tau = extremes.friction
-        text = (
-            f"least Fz {extremes.fz_min:.6g} m g at {extremes.fz_min_tau / s.p:.4g} s"
-        )
-        if not math.isfinite(friction):
-            return f"{text}, so no friction holds the base"
-        text += f", required friction {friction:.6g} at {tau / s.p:.4g} s"
-        if extremes.impact is not None:
-            text += f" ({extremes.impact.friction:.6g} in impacts)"
-        if s.friction is None:
-            return text
-        when = {
-            None: "does not slide",
-            "impact": "would slide at an impact",
-            "rocking": "would slide while rocking",
-        }
-        words = when.get(extremes.slides(s.friction), "would slide before it rocks")
-        return (
-            f"{text}: with the friction {s.friction:g} of the document the base {words}"
-        )
+
+def _raised(values: Array) -> Array:
+    """Return upper bounds of a function from its values, (arcs, instants, places)."""
+    most, least = values.max(axis=1), values.min(axis=1)
+    with np.errstate(invalid="ignore"):
+        raised = most + 0.05 * (most - least)
+    raised = np.where(np.isfinite(raised), raised, np.inf)
+    return np.where(most == -np.inf, most, raised)
+
+
+def _joined(parts: list[Array]) -> Array:
+    """Return the rows of both sides, which may have other numbers of joints."""
+    most = max(part.shape[1] for part in parts)
+    return np.concatenate(
+        [
+            np.pad(x, ((0, 0), (0, most - x.shape[1])), constant_values=-np.inf)
+            for x in parts
+        ]
+    )
+
+
+def _place(worst: Worst, place: str) -> str | int:
+    if place == "side":
+        return "right" if worst.side > 0.0 else "left"
+    return worst.place

@@ -28,7 +28,9 @@ import numpy as np
 
 from ..dynamics.body import ground_reaction
 from ..errors import UsageError
+from ..structures.mechanics.joint_forces import Measured, ratio_of
 from ..structures.parameters import RockingParameters
+from .force_history import Instants
 
 Array = np.ndarray
 
@@ -118,19 +120,33 @@ def body_forces(
     return Forces(side * outward, up)
 
 
-class ForceEdge(NamedTuple):
+@dataclass(frozen=True)
+class ForceEdge:
     """An edge and the body that stands on it."""
 
-    alpha: Any  # critical angle [rad]
-    kappa: Any  # R p^2/g = m R^2/I [-]
+    alpha: float  # critical angle [rad]
+    kappa: float  # R p^2/g = m R^2/I [-]
     arm: float  # R [m]
     p: float  # frequency parameter [rad/s]
     eta: float  # restitution on leaving the edge [-]
 
+    def forces_at(self, at: Instants) -> Measured:
+        """Return the forces of the ground at instants; the rotation is linear in y."""
+        u, rate, acceleration = (
+            self.alpha * at.equation.rotation(x)
+            for x in (at.point.y, at.point.v, at.point.b)
+        )
+        fx, fz = body_forces(self, at.side, u, rate, acceleration, at.across, at.up)
+        measures = {"fz_min": -fz, "friction": ratio_of(np.abs(fx), fz)}
+        return Measured(
+            {"fx_ratio": fx, "fz_ratio": fz},
+            {name: values[:, None] for name, values in measures.items()},
+        )
 
-def edges_of(structure: RockingParameters) -> tuple[ForceEdge, ForceEdge]:
-    """Return the right and the left edge. Raises UsageError if the structure is no
-    rigid body, or if its mass centre is not known.
+
+def edges_of(structure: RockingParameters) -> dict[float, ForceEdge]:
+    """Return the right (+1) and the left (-1) edge. Raises UsageError if the structure
+    is no rigid body, or if its mass centre is not known.
     """
     if structure.arm is None:
         raise UsageError(
@@ -153,4 +169,4 @@ def edges_of(structure: RockingParameters) -> tuple[ForceEdge, ForceEdge]:
                 side.eta,
             )
         )
-    return edges[0], edges[1]
+    return {1.0: edges[0], -1.0: edges[1]}

@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -21,13 +21,9 @@ from ..structures.given import Structure, structure_from
 from ..structures.parameters import RockingParameters
 from .arcs import LATE, Event, History
 from .force_history import ForceHistory
-from .ground_forces import edges_of
 from .ground_history import GroundMotion
 from .history import history
-
-if TYPE_CHECKING:
-    from .arch_history import ArchHistory
-    from .mechanism_history import MechanismHistory
+from .structure_forces import forces_of
 
 # tau for which a response is followed after the shaking, unless the user says
 FREE = 30.0
@@ -195,51 +191,17 @@ class TimeHistory(Shown):
         return np.array(turns)
 
     @cached_property
-    def forces(self) -> "dict[str, ForceHistory | ArchHistory | MechanismHistory]":
+    def forces(self) -> dict[str, ForceHistory]:
         """The forces for each equation of motion: between a rigid body and the ground,
         or at the joints of a mechanism. Raises UsageError.
         """
         s = self.structure
-        if any(found.devices for found in self.histories.values()):
-            raise UsageError(
-                f"{s.name}: found ties or a tendon; expected a body without them, whose"
-                " forces on the ground are known"
-            )
-        ground = GroundMotion(
-            self.motion,
-            float(s.ground_acceleration(self.amplitude)) / s.gravity,
-            self.omega,
-        )
-        if s.mechanism is not None:
-            return {
-                model: self._forces_of_mechanism(model, ground, found)
-                for model, found in self.histories.items()
-            }
-        edges = edges_of(s)
+        amplitude = float(s.ground_acceleration(self.amplitude)) / s.gravity
+        ground = GroundMotion(self.motion, amplitude, self.omega)
         return {
-            model: ForceHistory(s, edges, ground, found)
+            model: forces_of(s, model, ground, found)
             for model, found in self.histories.items()
         }
-
-    def _forces_of_mechanism(
-        self, model: str, ground: GroundMotion, found: History
-    ) -> "ForceHistory | ArchHistory | MechanismHistory":
-        """The forces in an arch, or at the joints of another mechanism."""
-        from ..structures.mechanics.fourbar import FourBar
-        from ..structures.mechanics.linkage import Linkage
-        from .arch_history import ArchHistory
-        from .mechanism_history import MechanismHistory
-
-        s = self.structure
-        of_arch = isinstance(s.mechanism, FourBar)
-        if not (of_arch or isinstance(s.mechanism, Linkage)):
-            return ForceHistory(s, edges_of(s), ground, found)
-        if model != "nonlinear":
-            raise UsageError(
-                f"{s.name}: the forces in {'an arch' if of_arch else 'a mechanism'}"
-                " follow from the nonlinear equation: give `model` nonlinear"
-            )
-        return (ArchHistory if of_arch else MechanismHistory)(s, ground, found)
 
     def top_displacement(self, model: str) -> float | None:
         """Return the largest displacement of the top from its rest position.
@@ -550,71 +512,6 @@ class TimeHistory(Shown):
                 "theta_ratio": ratio,
                 "outcome": outcome.flag,
             }
-
-    def summary(self, *, forces: bool = False) -> Iterator[str]:
-        """Yield a sentence on the outcome for each model.
-
-        Parameters
-        ----------
-        forces
-            True: with what is known of the forces
-
-        Yields
-        ------
-        str
-        """
-        s = self.structure
-        for model, found in self.histories.items():
-            peak, ratio = found.peak, found.theta_ratio or 0.0
-            text = self.outcome(model).sentence
-            if self.outcome(model) == Outcome.LOST_CONTACT:
-                text += self._loss_in_words(model)
-            elif ratio > (
-                0.0 if peak is None else abs(peak.theta_ratio) * (1.0 + 1e-9)
-            ):
-                text += (
-                    f", largest theta {ratio:.6g} alpha after {found.end / s.p:.4g} s"
-                )
-            elif peak is not None:
-                text += (
-                    f", largest theta {ratio * float(s.alpha_on(peak.side)):.6g} rad"
-                    f" ({ratio:.6g} alpha) at {peak.tau / s.p:.4g} s"
-                )
-            if top := self.top_displacement(model):
-                text += f", top displaced by up to {1e3 * top:.4g} mm"
-            if (
-                not any(m.event in ("rest", "overturning") for m in found.events)
-                and self.outcome(model) == Outcome.ROCKED
-            ):
-                text += f"; still rocking at {found.end / s.p:.4g} s"
-            if self.outcome(model).overturned:
-                text += self._loss_in_words(model)
-            text += "".join(f"; {device['words']}" for device in found.devices)
-            if forces:
-                text += "; " + self.forces[model].words()
-            yield f"{s.name}, {model}: {text}"
-
-    def _loss_in_words(self, model: str) -> str:
-        """Return what to say of a loss of contact; empty without one."""
-        found = self.histories[model]
-        if not self.outcome(model).overturned:
-            # of a body with ties the march itself finds it
-            own = [e.tau for e in found.events if e.event == LOST]
-            instant = min(own) if found.devices else self.end_of(model)
-            at = f" at {instant / self.structure.p:.4g} s"
-            return f"{at}, and its later motion is not known"
-        lost = found.lost
-        try:
-            lost = lost if found.devices else self.forces[model].lost
-        except UsageError:  # forces that are not known
-            return ""
-        if lost is None:
-            return ""
-        at = f"at {lost / self.structure.p:.4g} s"
-        return (
-            f", and loses contact with the ground {at} during its fall, which is"
-            " therefore not proved"
-        )
 
 
 def _rows_of(columns: dict[str, np.ndarray]) -> Iterator[dict[str, float | None]]:

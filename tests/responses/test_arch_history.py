@@ -7,9 +7,11 @@ import pytest
 from oracles.arch_linkage import SECOND, Linkage, carried, places
 from oracles.collocation import Edge, integrate
 from support.bodies import shaking_of
+from support.documents import built
 
 from rocking_cli import (
     Method,
+    check,
     cosine,
     load_structures,
     parse_grid,
@@ -18,8 +20,8 @@ from rocking_cli import (
     time_history,
 )
 from rocking_cli.motions.biaxial import with_vertical
-from rocking_cli.responses.arch_history import HINGE_COLUMNS
 
+HINGE_COLUMNS = [f"hinge{n}_{axis}" for n in (1, 2, 3, 4) for axis in ("fx", "fz")]
 (ARCH,) = load_structures(["configs/arch.yaml"])
 EXACT = Method("nonlinear", 1e-13)
 
@@ -54,7 +56,7 @@ def test_each_link_moves_as_the_forces_at_its_hinges_say(swaying, side):
     start, stop = arcs.start[arc], arcs.stop[arc]
     tau, h, p, g = 0.5 * (start + stop), 0.04 * (stop - start), ARCH.p, ARCH.gravity
     mirror = np.array([side, 1.0])
-    weight = forces.forces.weight
+    weight = forces.statics[1.0].weight
     # from left to right, and back to the order of the mechanism
     at = (
         np.array(
@@ -119,7 +121,7 @@ def test_the_largest_force_at_a_hinge_is_an_extreme_of_the_history(swaying):
     record = forces.summary("t", 1.0)
     assert (record["hinge_force"], record["hinge_force_hinge"]) == (
         worst.value,
-        worst.joint,
+        worst.place,
     )
 
 
@@ -174,3 +176,16 @@ def test_an_arch_under_vertical_motion_sways_as_its_energies_say():
 @pytest.mark.soak
 def test_arches_under_vertical_motion_sway_as_their_energies_say():
     assert against_the_linkage(40, 5) < 1e-7
+
+
+@pytest.mark.parametrize(("friction", "slides"), [(0.05, True), (50.0, False)])
+def test_a_check_compares_the_friction_of_an_arch_with_its_joints(friction, slides):
+    arch = built(
+        "kind: arch\nradius: 10\nthickness: 1.5\nangle: 157.5 deg\nvoussoirs: 7\n"
+        f"friction: {friction}"
+    )
+    shaking = parse_grid("a_g=0.45g,f_g=1")
+    found = check(arch, sine(), shaking, a_max=None)
+    (row,) = time_history(arch, sine(), shaking).summaries(forces=True)
+    assert found.friction_needed == row["friction_needed"]
+    assert found.slides == row["slides"] == slides

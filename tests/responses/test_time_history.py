@@ -9,6 +9,7 @@ from support.documents import built
 from rocking_cli import Outcome, check, cosine, parse_grid, pulse, sine, time_history
 from rocking_cli.dynamics.method import LINEAR, Method
 from rocking_cli.motions.biaxial import with_vertical
+from rocking_cli.reports.response_words import response_in_words
 
 STATUE = "kind: rigid\nleft: {left}\nright: {right}\nheight: 1.0\ngyration: 0.6\n"
 
@@ -82,7 +83,7 @@ def test_a_body_that_needs_pulling_down_is_not_called_safe():
         )
         assert said["outcome"] == outcome.flag
         assert (said["theta_ratio"] is None) == (outcome == Outcome.LOST_CONTACT)
-        assert outcome.sentence in next(found.summary())
+        assert outcome.sentence in next(response_in_words(found))
         assert check(body, motion, shaking, a_max=None).outcome == outcome
 
 
@@ -226,16 +227,18 @@ def test_rows_end_where_the_body_loses_contact():
     for row in rows:  # an equation whose body has lost contact says nothing more
         known = row[f"theta_{first}"] is not None
         assert known == (row["t"] <= ends[first]["t"])
-    for line, model in zip(found.summary(), found.histories, strict=True):
+    for line, model in zip(response_in_words(found), found.histories, strict=True):
         assert f"loses contact with the ground at {ends[model]['t']:.4g} s" in line
         assert "largest theta" not in line
     brief = time_history(body, sine(), "a_g=6g,f_g=5", methods, duration=0.05)
-    assert list(brief.summary()) == list(found.summary())
+    assert list(response_in_words(brief)) == list(response_in_words(found))
 
 
 def test_a_loss_of_contact_during_a_fall_is_told():
     said = [
-        next(time_history("block:0.5x2", sine(), f"a_g={a_g}g,f_g=1").summary())
+        next(
+            response_in_words(time_history("block:0.5x2", sine(), f"a_g={a_g}g,f_g=1"))
+        )
         for a_g in (1, 2)
     ]
     told = ["during its fall, which is therefore not proved" in line for line in said]

@@ -8,9 +8,10 @@ work in excess of the equation of motion.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
@@ -47,12 +48,85 @@ class JointForce(NamedTuple):
     loads: Array
 
 
+class Measured(NamedTuple):
+    """Forces at instants, over a weight."""
+
+    columns: dict[str, Array]  # by column, (n,)
+    # by quantity, the larger the worse (thrust_min is -N), (n, places)
+    measures: dict[str, Array]
+
+
 @dataclass(frozen=True)
 class JointForces:
-    """The forces at the joints of a mechanism in one direction."""
+    """The forces at the joints of a mechanism in one direction. Hinges and sliders have
+    the numbers 1, 2 ... of its joints.
+    """
 
     linkage: Linkage  # the mechanism
     gravity: float  # g [m/s2]
+
+    # by quantity, its column and those of its place
+    SHOWN: ClassVar[dict[str, tuple[str, tuple[str, ...]]]] = {
+        "friction": ("friction_needed", ("side", "hinge")),
+        "thrust_min": ("thrust_min", ("side", "hinge")),
+    }
+
+    @property
+    def weight(self) -> float:
+        """The weight of what moves [N]."""
+        return float(self.linkage.weighed.weight.sum()) * self.gravity
+
+    @cached_property
+    def _known(self) -> list[int]:
+        """Indices of the hinges on a known face, whose N and T are known."""
+        hinges = enumerate(self.linkage.hinges)
+        return [i for i, hinge in hinges if self.face_at(hinge) is not None]
+
+    @property
+    def complete(self) -> bool:
+        """True if N and T of all hinges are known."""
+        return len(self._known) == len(self.linkage.hinges)
+
+    def places(self, _: str) -> tuple[int, ...]:
+        """Return the numbers of the hinges or joints of a quantity."""
+        return tuple(i + 1 for i in self._known)
+
+    def measured(self, moving: Moving, weight: float) -> Measured:
+        """Return the forces at instants over a weight: the least N and the largest
+        |T|/N, N and T of each hinge, the force of each slider, and load_min, the least
+        force of a load that is not carried, over its weight.
+        """
+        at = self.during(moving)
+        n, t = at.compression, at.shear
+        measures = {"thrust_min": -n / weight, "friction": ratio_of(np.abs(t), n)}
+        measures = {name: x[:, self._known] for name, x in measures.items()}
+        worst = (
+            [x.max(axis=1) for x in measures.values()]
+            if self._known
+            else np.full((2, len(n)), np.nan)
+        )
+        joints = np.stack([n, t], axis=-1).reshape(len(n), -1)
+        joints = np.concatenate([joints, at.sliders], axis=1) / weight
+        loads = [at.loads.min(axis=1)] if at.loads.size else []
+        rows = [-worst[0], worst[1], *joints.T, *loads]
+        return Measured(dict(zip(self.names, rows, strict=True)), measures)
+
+    @property
+    def names(self) -> list[str]:
+        """The columns that are measured."""
+        linkage = self.linkage
+        names = ["thrust_min", "shear_ratio"]
+        hinges = range(1, len(linkage.hinges) + 1)
+        names += [f"hinge{i}_{axis}" for i in hinges for axis in ("n", "t")]
+        names += [f"slider{i}" for i in range(1, len(linkage.sliders) + 1)]
+        return names + ["load_min"] * bool(linkage.bearings)
+
+    def opened(self, values: Mapping[str, Any]) -> Any:
+        """True where a hinge loses its compression, or a load leaves its body; values:
+        of quantities or columns.
+        """
+        found = [values[name] for name in ("thrust_min", "load_min") if name in values]
+        return np.any([x <= 0.0 for x in found], axis=0)
 
     def face_at(self, hinge: Hinge) -> Face | None:
         """Return the face at whose end a hinge is: one of its own two bodies, or else
@@ -194,6 +268,12 @@ class JointForces:
                 arm = change.place - linkage.masses[link - 1].centre
                 wanted[0, link - 1] += change.about(arm)
         return self._solved(linkage.positions(np.zeros(1)), wanted.reshape(1, -1))
+
+
+def ratio_of(shear: Array, thrust: Array) -> Array:
+    """Return |T|/N, infinite without compression."""
+    with np.errstate(all="ignore"):
+        return np.where(thrust > 0.0, shear / thrust, np.inf)
 
 
 class MomentumChange(NamedTuple):

@@ -1,5 +1,5 @@
 """Bodies that leave the ground, against their least force and closed forms; against an
-integration: test_force_history.py.
+integration: test_contact_forces.py.
 """
 
 import math

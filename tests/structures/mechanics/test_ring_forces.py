@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from support.documents import built
 
-from rocking_cli.responses.arch_forces import ArchForces, State
+from rocking_cli.structures.mechanics.joint_forces import Moving
+from rocking_cli.structures.mechanics.ring_forces import RingForces, linkage_of
 
 G = 9.81
 WHOLE = "kind: arch\nradius: 10\nthickness: 1.5\nangle: 157.5 deg\n"
@@ -15,12 +16,23 @@ SEVEN = f"{WHOLE}voussoirs: 7"
 
 def arch(text):
     structure = built(text)
-    return structure, ArchForces(structure.mechanism, G)
+    mechanism = structure.mechanism
+    return structure, RingForces(linkage_of(mechanism), G, mechanism)
 
 
-def at_rest(across):
+def moved(forces, phi, rate, across, up):
+    """These instants, with phi'' of the equation of motion."""
+    acceleration = forces.linkage.acceleration(phi, rate, across, up, G)
+    return Moving(phi, rate, acceleration, across, up)
+
+
+def at_rest(forces, across):
     zero = np.zeros(1)
-    return State(zero, zero, np.array([across]), zero)
+    return moved(forces, zero, zero, np.array([across]), zero)
+
+
+def resultants(forces, moving, joints):
+    return forces.resultants(moving, forces.during(moving), joints)
 
 
 @pytest.mark.parametrize(
@@ -31,22 +43,23 @@ def test_at_incipient_motion_no_joint_is_beyond_its_face(text, sections):
     its faces at the hinges.
     """
     structure, forces = arch(text)
-    moving = at_rest(-structure.uplift * G)
-    assert forces.hinges(moving).acceleration == pytest.approx([0.0], abs=1e-12)
-    joints = np.linspace(0.0, forces.mechanism.ring.angle, sections + 1)
-    found = forces.resultants(moving, joints)
+    moving = at_rest(forces, -structure.uplift * G)
+    assert moving.acceleration == pytest.approx([0.0], abs=1e-12)
+    joints = np.linspace(0.0, forces.arch.ring.angle, sections + 1)
+    found = resultants(forces, moving, joints)
     assert found.thrust.min() > 0.0
     assert found.eccentricity.max() <= 1.0 + 1e-9
     assert np.abs(
-        forces.resultants(moving, np.array(forces.mechanism.hinges)).eccentricity
+        resultants(forces, moving, np.array(forces.arch.hinges)).eccentricity
     ) == pytest.approx(1.0, abs=1e-10)
-    beyond = forces.resultants(at_rest(-1.02 * structure.uplift * G), joints)
+    beyond = resultants(forces, at_rest(forces, -1.02 * structure.uplift * G), joints)
     assert beyond.eccentricity.max() > 1.0 or sections == 7
 
 
-def swaying(structure, count=6):
+def swaying(structure, forces, count=6):
     phi = np.linspace(0.01, 0.9, count) * structure.alpha
-    return State(
+    return moved(
+        forces,
         phi,
         np.linspace(0.1, 0.6, count),
         np.linspace(-3.0, 2.0, count),
@@ -57,7 +70,7 @@ def swaying(structure, count=6):
 def test_the_angular_acceleration_is_that_of_the_equation_of_motion():
     """M phi'' + M'/2 phi'^2 + (1 + z''/g) V' = -B x'', from virtual work."""
     structure, forces = arch(WHOLE)
-    state, m = swaying(structure), structure.mechanism
+    state, m = swaying(structure, forces), structure.mechanism
     c, h = m.coefficients(state.phi), 1e-4
     slope = sum(
         w
@@ -72,7 +85,7 @@ def test_the_angular_acceleration_is_that_of_the_equation_of_motion():
         -(c.push * state.across + c.lift * (G + state.up) + 0.5 * slope * state.rate**2)
         / c.inertia
     )
-    assert forces.hinges(state).acceleration == pytest.approx(wanted, rel=1e-9)
+    assert state.acceleration == pytest.approx(wanted, rel=1e-9)
 
 
 def test_the_springings_give_the_links_their_momentum():
@@ -80,8 +93,8 @@ def test_the_springings_give_the_links_their_momentum():
     way of that instant.
     """
     structure, forces = arch(WHOLE)
-    state, m = swaying(structure), structure.mechanism
-    hinges, acceleration = forces.hinges(state)
+    state, m = swaying(structure, forces), structure.mechanism
+    hinges, acceleration = forces.during(state).hinges, state.acceleration
     h = 2e-3
 
     def first_moments(t):
@@ -117,15 +130,15 @@ def test_joints_on_the_ground_carry_what_stands_on_them():
     weight between two sections.
     """
     structure, forces = arch(WHOLE)
-    state, m = swaying(structure, 1), structure.mechanism
+    state, m = swaying(structure, forces, 1), structure.mechanism
     low, high = m.hinges[0], m.hinges[3]
     if low == 0.0 and high == m.ring.angle:
         pytest.fail("an arch with a part that stays on the ground is needed")
     joints = np.array([0.0, low]) if low > 0.0 else np.array([high, m.ring.angle])
-    found = forces.resultants(state, joints)
+    found = resultants(forces, state, joints)
     part = m.ring.sector(*joints)
-    squares = (found.thrust**2 + found.shear**2)[0] * forces.weight**2
-    hinge = forces.hinges(state).hinges[0, 0 if low > 0.0 else 3]
+    squares = (found.thrust**2 + found.shear**2)[0]
+    hinge = forces.during(state).hinges[0, 0 if low > 0.0 else 3]
     sign = 1.0 if low > 0.0 else -1.0
     pushed = hinge + sign * part.mass * np.array([state.across[0], G + state.up[0]])
     assert sorted(squares) == pytest.approx(

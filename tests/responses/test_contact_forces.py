@@ -30,10 +30,15 @@ from rocking_cli import (
 )
 from rocking_cli.motions.biaxial import with_vertical
 from rocking_cli.motions.grid import as_recorded
+from rocking_cli.responses.ground_forces import Forces
 
 BLOCK = "kind: block\nwidth: 0.6\nheight: 3\n"
 STATUE = "kind: rigid\nleft: 0.6\nright: 0.4\nheight: 2.0\ngyration: 0.9\n"
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(20)
+
+
+def ground_forces(forces, tau):
+    return Forces(*forces.columns(tau).values())
 
 
 def answer(text, motion=None, grid=None, model="nonlinear", **more):
@@ -130,7 +135,7 @@ def velocity(found, forces, tau):
     """Of the mass centre relative to the ground over g/p, by tau of the history."""
     ratio, rate = found.at(np.array([tau]))
     side = float(found.sides(np.array([tau]))[0])
-    edge = forces.edge(side)
+    edge = forces.statics[side]
     u, w = edge.alpha * abs(float(ratio[0])), edge.alpha * side * float(rate[0])
     scale = edge.kappa * (forces.structure.p / edge.p) ** 2 * w
     return scale * side * math.cos(edge.alpha - u), scale * math.sin(edge.alpha - u)
@@ -157,7 +162,7 @@ def test_the_impulse_of_the_ground_is_the_change_of_momentum(text, grid, model):
         np.concatenate([history.steps(), ground.stops[ground.stops < history.end]])
     )
     for a, b in pairwise(marks):
-        at = forces.at(0.5 * (a + b) + 0.5 * (b - a) * NODES)
+        at = ground_forces(forces, 0.5 * (a + b) + 0.5 * (b - a) * NODES)
         total += 0.5 * (b - a) * np.array([WEIGHTS @ at.fx, WEIGHTS @ (at.fz - 1.0)])
     impacts = [forces.impulses(e) for e in history.events if e.event == "impact"]
     assert len(impacts) > 3
@@ -214,7 +219,7 @@ def test_forces_are_those_of_an_integration_of_another_kind():
         8 * (momentum(times + h) - momentum(times - h))
         - (momentum(times + 2 * h) - momentum(times - 2 * h))
     ) / (12 * h * g)
-    fx, fz = forces.at(times * p)
+    fx, fz = ground_forces(forces, times * p)
     assert fx == pytest.approx(change[0] + [push(t) for t in times], abs=1e-8)
     assert fz == pytest.approx(change[1] + 1.0, abs=1e-8)
 
@@ -224,7 +229,7 @@ def test_extremes_are_no_samples():
     than those are apart.
     """
     _, found, forces = answer(BLOCK, sine(1), "a_g=0.45g,f_g=2.5")
-    at = forces.at(np.linspace(0.0, found.end, 20_001))
+    at = ground_forces(forces, np.linspace(0.0, found.end, 20_001))
     asked = forces.extremes
     assert 0.0 <= np.nanmin(at.fz) - asked.fz_min < 1e-5
     assert 0.0 <= asked.friction.friction - np.nanmax(np.abs(at.fx) / at.fz) < 1e-3
@@ -345,7 +350,7 @@ def test_the_forces_just_after_an_impact_are_those_of_the_rows_after_it(text, gr
     for tau in impacts[:20]:
         (before, after), near = (
             forces.around(tau),
-            forces.at(np.array([tau - 1e-9, tau, tau + 1e-9])),
+            ground_forces(forces, np.array([tau - 1e-9, tau, tau + 1e-9])),
         )
         assert before == pytest.approx((near.fx[0], near.fz[0]), abs=1e-7)
         assert after == pytest.approx((near.fx[2], near.fz[2]), abs=1e-7)
