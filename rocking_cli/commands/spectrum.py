@@ -33,8 +33,7 @@ class SpectrumOptions:
     output: Path = options.output("The HDF5 file to write.", required=True)
     impacts: bool = flag(
         "--impacts",
-        "Store the impacts during the shaking, without those of a last sequence of"
-        " impacts below the peak.",
+        "Store impacts_at_least: the impacts until a proof ends the computation.",
     )
     quantity: str | None = option(
         "--quantity",

@@ -32,9 +32,9 @@ class Response(NamedTuple):
         lost, or where failed
     outcome
         codes of `Outcome`, uint8
-    impacts
-        number of impacts during the shaking, int32, without those of sequences that
-        are closed in one step
+    impacts_at_least
+        number of impacts that were computed, int32: a lower bound, since a proof may
+        end the computation of a cell, or close a sequence of impacts, at any time
     condition
         by how much theta_ratio takes over an error of the state in every unit of tau
         [-], at least 1; NaN where theta_ratio is NaN or 0, and for bodies with ties
@@ -52,7 +52,7 @@ class Response(NamedTuple):
 
     theta_ratio: Array  # [-], (cells,)
     outcome: Array  # codes of `Outcome`, (cells,)
-    impacts: Array  # counts, (cells,)
+    impacts_at_least: Array  # impacts that were computed, (cells,)
     condition: Array  # of theta_ratio [-], (cells,)
     work: Work  # counters of all cells
 
@@ -219,7 +219,7 @@ def _one_by_one(
     failed = np.flatnonzero(outcome == Outcome.FAILED)
     if failed.size:
         again = response(system, motion, *_of(cells, failed), peaks=peaks)
-        outcome[failed], impacts[failed] = again.outcome, again.impacts
+        outcome[failed], impacts[failed] = again.outcome, again.impacts_at_least
         theta_ratio[failed] = again.theta_ratio
         condition[failed] = again.condition
 

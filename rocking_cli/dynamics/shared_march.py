@@ -52,8 +52,8 @@ class SharedMarch:
     def response(
         self, which: Array, amplitude: Array, omega: Array, peaks: bool = True
     ) -> tuple[Array, Array, Array]:
-        """Return (theta_ratio, outcome, impacts) of cells: structure `which` at this
-        amplitude A and Omega, (cells,) each; without peaks theta_ratio is NaN.
+        """Return (theta_ratio, outcome, impacts_at_least) of cells: structure `which`
+        at this amplitude A and Omega, (cells,) each; without peaks theta_ratio is NaN.
         """
         theta_ratio = np.full(which.size, np.nan)
         outcome = np.zeros(which.size, dtype=np.uint8)
@@ -63,7 +63,7 @@ class SharedMarch:
             at = at[np.argsort(which[at], kind="stable")]  # by structure
             found = self._of_group(which[at], amplitude[at], omega[at], peaks)
             theta_ratio[at], outcome[at] = found.theta_ratio, found.outcome
-            impacts[at] = found.impacts
+            impacts[at] = found.impacts_at_least
         return theta_ratio, outcome, impacts
 
     def _of_group(

@@ -112,7 +112,7 @@ class Search:
         found = response(
             self.system, self.motion, amplitude, omega, self.eta, peaks=False
         )
-        return lifted(found.outcome), found.impacts
+        return lifted(found.outcome), found.impacts_at_least
 
     def rows(self, omegas: Array) -> list[Steps]:
         """For each Omega the outcome at the amplitude `lowest` and at every change

@@ -268,8 +268,13 @@ VARIABLES: dict[str, Variable] = {
         "max over time of abs(theta)/alpha; NaN where overturned or not computed",
     ),
     "outcome": _coded("outcome", Outcome),
-    "impacts": Variable(
-        np.dtype("<i4"), {"units": "1", "long_name": "impacts during shaking"}
+    "impacts_at_least": Variable(
+        np.dtype("<i4"),
+        {
+            "units": "1",
+            "long_name": "number of impacts, at least",
+            "comment": "those computed until a proof ended the computation of the cell",
+        },
     ),
     "velocity_ratio": _real(
         "largest angular speed over p",

@@ -199,7 +199,7 @@ class Spectrum(Shown):
     scene: structures, motions and grid
     theta_ratio: max |theta|/alpha [-]
     outcome: codes of `Outcome`
-    impacts: number of impacts
+    impacts_at_least: number of impacts that were computed
     summary: counts, times and checks of the sweep
     quantities: the requested variables of `QUANTITIES` by name
 
@@ -216,7 +216,7 @@ class Spectrum(Shown):
     scene: Scene  # structures, motions and grid
     theta_ratio: np.ndarray  # max |theta|/alpha [-]
     outcome: np.ndarray  # codes of `Outcome`
-    impacts: np.ndarray  # number of impacts
+    impacts_at_least: np.ndarray  # number of impacts that were computed
     summary: Summary  # counts, times and checks of the sweep
     # the requested variables of `QUANTITIES` by name
     quantities: Mapping[str, np.ndarray] = field(default_factory=dict)
@@ -244,7 +244,7 @@ class Spectrum(Shown):
         arrays = {
             "theta_ratio": self.theta_ratio,
             "outcome": self.outcome,
-            "impacts": self.impacts,
+            "impacts_at_least": self.impacts_at_least,
             **self.quantities,
         }
         columns = {name: cells.ravel() for name, cells in arrays.items()}
@@ -276,7 +276,7 @@ class Spectrum(Shown):
         cells = {
             "theta_ratio": self.theta_ratio,
             "outcome": self.outcome,
-            "impacts": self.impacts,
+            "impacts_at_least": self.impacts_at_least,
         }
         along = {
             name: xr.Variable(

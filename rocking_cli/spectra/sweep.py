@@ -55,7 +55,7 @@ class SweepOptions:
     sample_validity: compare some cells of a linear sweep with the nonlinear equation
     progress: called with (units done, all units)
     tell: called with a line while the sweep waits for its cluster
-    impacts: store the number of impacts
+    impacts: store impacts_at_least, the number of impacts that were computed
     overwrite: replace an existing output
     resume: continue the partial file PATH.part of an interrupted sweep of the same
         scene
@@ -78,7 +78,7 @@ class SweepOptions:
     progress: Progress | None = None  # called with (units done, all units)
     # called with a line while the sweep waits for its cluster
     tell: Callable[[str], None] | None = None
-    impacts: bool = False  # store the number of impacts
+    impacts: bool = False  # store impacts_at_least
     overwrite: bool = False  # replace an existing output
     # continue the partial file PATH.part of an interrupted sweep of the same scene
     resume: bool = False
@@ -156,7 +156,7 @@ class SweepOptions:
             name for key in self.quantities_of(scene) for name in QUANTITIES[key]
         }
         wanted = {"theta_ratio", "outcome", *of_quantities} | (
-            {"impacts"} if self.impacts else set()
+            {"impacts_at_least"} if self.impacts else set()
         )
         return tuple(name for name in VARIABLES if name in wanted)
 
@@ -256,7 +256,7 @@ def spectrum_of(scene: Scene, options: SweepOptions | None = None) -> Spectrum:
 
     summary = _run(scene, options, _units_of(scene, options), keep)
     theta_ratio, outcome, impacts = (
-        arrays.pop(name) for name in ("theta_ratio", "outcome", "impacts")
+        arrays.pop(name) for name in ("theta_ratio", "outcome", "impacts_at_least")
     )
     return Spectrum(scene, theta_ratio, outcome, impacts, summary, arrays)
 
@@ -289,10 +289,10 @@ def write_spectrum(
         the equation of motion, None as in `spectrum`
     options
         `workers`, `check` and `quantities` as in `spectrum`; `scheduler` (address of a
-        dask cluster), `chunk_cells`, `impacts` (True stores their number), `overwrite`,
-        `resume`, `strict`, `shard` ((i, n): the i-th of n parts, for `merge`),
-        `sample_validity`, `documents` and `history` (texts to store), `progress` and
-        `tell` (functions)
+        dask cluster), `chunk_cells`, `impacts` (True stores `impacts_at_least`),
+        `overwrite`, `resume`, `strict`, `shard` ((i, n): the i-th of n parts, for
+        `merge`), `sample_validity`, `documents` and `history` (texts to store),
+        `progress` and `tell` (functions)
 
     Returns
     -------

@@ -27,7 +27,14 @@ import numpy as np
 import rocking_cli as rk
 from rocking_cli.motions.biaxial import with_vertical
 
-VERDICTS = ("outcome", "outcome_linear", "mode", "event", "impacts", "difference")
+VERDICTS = (
+    "outcome",
+    "outcome_linear",
+    "mode",
+    "event",
+    "impacts_at_least",
+    "difference",
+)
 COUNTERS = ("run_time", "time_per_cell")
 LINEAR, NONLINEAR = rk.Method("linear"), rk.Method("nonlinear", 1e-9)
 MODELS = {"linear": LINEAR, "nonlinear": NONLINEAR}
@@ -138,11 +145,8 @@ def record(count: int, dt: float, seed: int) -> rk.Motion:
 
 def answered(found: rk.Response) -> Arrays:
     """The arrays of a response."""
-    return {
-        "theta_ratio": found.theta_ratio,
-        "outcome": found.outcome,
-        "impacts": found.impacts,
-    }
+    names = ("theta_ratio", "outcome", "impacts_at_least")
+    return dict(zip(names, found, strict=False))
 
 
 def over(

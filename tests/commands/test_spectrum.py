@@ -66,7 +66,7 @@ def test_quantities_on_request_are_variables_of_the_file(rocking, tmp_path):
         condition, theta = f["condition"][0, 0], f["theta_ratio"][0, 0]
         assert f["condition"].attrs["units"] == "1"
         assert "restitution" in f["condition"].attrs["comment"]
-        assert f["impacts"].shape == f["condition"].shape
+        assert f["impacts_at_least"].shape == f["condition"].shape
     assert condition[0] == 0.0
     assert np.isnan(condition[np.isnan(theta)]).all()
     rows = rocking("convert", "s.h5", "--json").records

@@ -35,6 +35,6 @@ def test_a_body_has_the_same_bits_alone_and_with_others(peaks):
         )
         np.testing.assert_array_equal(outcome[own], alone.outcome)
         if peaks:  # else sequences may be closed in one step, which are not counted
-            np.testing.assert_array_equal(impacts[own], alone.impacts)
+            np.testing.assert_array_equal(impacts[own], alone.impacts_at_least)
         np.testing.assert_array_equal(theta_ratio[own], alone.theta_ratio)
         assert np.unique(alone.outcome).size > 3

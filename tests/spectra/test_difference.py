@@ -111,7 +111,7 @@ def test_every_quantity_asked_for_at_once_is_read_as_it_was_computed(tmp_path):
         assert set(file.names) == {
             "theta_ratio",
             "outcome",
-            "impacts",
+            "impacts_at_least",
             *inside.quantities,
         }
         for name, values in inside.quantities.items():

@@ -179,7 +179,7 @@ def test_records_share_a_run_and_are_those_of_each_alone(method):
         for x in (several, *zip(several))
     )
     for i, one in enumerate(alone):
-        for name in ("theta_ratio", "outcome", "impacts", "velocity_ratio"):
+        for name in ("theta_ratio", "outcome", "impacts_at_least", "velocity_ratio"):
             np.testing.assert_array_equal(
                 getattr(together, name)[i], getattr(one, name)[0]
             )
@@ -197,7 +197,13 @@ def test_blocks_of_all_angles_go_in_one_run_and_are_those_of_each_alone():
         spectrum_of(x, SweepOptions(workers=1, check=0, quantities=("condition",)))
         for x in (scene, own)
     )
-    for name in ("theta_ratio", "outcome", "impacts", "velocity_ratio", "condition"):
+    for name in (
+        "theta_ratio",
+        "outcome",
+        "impacts_at_least",
+        "velocity_ratio",
+        "condition",
+    ):
         np.testing.assert_array_equal(
             getattr(together, name)[:, 1:], getattr(alone, name)
         )

@@ -163,6 +163,13 @@ class SpectraFile(ExitStack[None]):
 
         outcome = file["outcome"]
         dimensions = {axis[0].name[1:]: _values(axis[0]) for axis in outcome.dims}
+        for name in names:
+            if name not in VARIABLES and file[name].ndim == outcome.ndim:
+                raise OutputError(
+                    f"{self.path}: found the variable {name}, which this version does"
+                    f" not know; expected {', '.join(VARIABLES)}: compute the spectra"
+                    " again"
+                )
         lists = {
             name: (file[name].dims[0][0].name[1:], _values(file[name]))
             for name in names

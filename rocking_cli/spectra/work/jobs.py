@@ -208,7 +208,7 @@ class Job:
         return {
             "theta_ratio": got.theta_ratio,
             "outcome": got.outcome,
-            "impacts": got.impacts,
+            "impacts_at_least": got.impacts_at_least,
             "condition": got.condition,
             "velocity_ratio": rate,
         }, got.work
@@ -255,7 +255,7 @@ class Job:
         return {
             "theta_ratio": got.theta_ratio,
             "outcome": got.outcome,
-            "impacts": got.impacts,
+            "impacts_at_least": got.impacts_at_least,
             "condition": got.condition,
             **extra,
         }, got.work

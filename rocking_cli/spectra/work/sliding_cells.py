@@ -42,7 +42,7 @@ def sliding_block(
     every = {
         "theta_ratio": still,
         "outcome": outcome,
-        "impacts": np.zeros(band.shape, dtype=np.int32),
+        "impacts_at_least": np.zeros(band.shape, dtype=np.int32),
         "velocity_ratio": still,
         "condition": np.full(band.shape, np.nan),
         "theta_ratio_linear": still,

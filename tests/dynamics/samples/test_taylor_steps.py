@@ -86,7 +86,7 @@ def test_bodies_of_many_angles_in_one_run_are_those_of_each_alone(motion):
             omega[mine],
             eta[mine],
         )
-        for name in ("theta_ratio", "outcome", "impacts"):
+        for name in ("theta_ratio", "outcome", "impacts_at_least"):
             np.testing.assert_array_equal(
                 getattr(together, name)[mine], getattr(alone, name)
             )

@@ -10,7 +10,14 @@ import h5py
 import numpy as np
 import pytest
 
-from rocking_cli import OutputError, SpectraFile
+from rocking_cli import (
+    OutputError,
+    SpectraFile,
+    dimensionless_oscillator,
+    parse_grid,
+    sine,
+    write_spectrum,
+)
 from rocking_cli.spectra.file.integrity import digest_line
 
 
@@ -68,6 +75,13 @@ def scene(**changed):
     return edit
 
 
+def with_digest(path):
+    with open(path, "r+b") as raw:
+        line = digest_line(raw, [])
+        raw.seek(0, 2)
+        raw.write(line)
+
+
 HOSTILE = {
     "a virtual dataset": (virtual, "its p is stored in another file"),
     "values of another file": (external, "its chunk_done is stored in another file"),
@@ -103,10 +117,7 @@ def test_what_stands_elsewhere_is_not_read_even_with_a_digest(
     shutil.copy(spectrum_file, path)
     with h5py.File(path, "r+") as file:
         edit(file)
-    with open(path, "r+b") as raw:
-        line = digest_line(raw, [])
-        raw.seek(0, 2)
-        raw.write(line)
+    with_digest(path)
     with pytest.raises(
         OutputError, match=f"is not a spectra file as this program wrote it.*{words}"
     ):
@@ -125,6 +136,18 @@ def test_a_file_that_another_program_has_changed_is_refused(spectrum_file, tmp_p
             r" another one"
         ),
     ):
+        SpectraFile(path)
+
+
+def test_a_variable_that_has_another_name_now_is_refused(tmp_path):
+    path = tmp_path / "older.h5"
+    grid = parse_grid("A=1:3:3,Omega=2:4:2")
+    bodies = [dimensionless_oscillator(0.9)]
+    write_spectrum(bodies, sine(), grid, path, impacts=True, workers=1)
+    with h5py.File(path, "r+") as file:
+        file.move("impacts_at_least", "impacts")
+    with_digest(path)
+    with pytest.raises(OutputError, match=r"found the variable impacts, .*expected"):
         SpectraFile(path)
 
 
