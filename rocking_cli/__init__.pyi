@@ -27,6 +27,7 @@ from .errors import OutputError as OutputError
 from .errors import RockingError as RockingError
 from .errors import StructureError as StructureError
 from .errors import UsageError as UsageError
+from .fragility.annual_rates import annual_rate as annual_rate
 from .fragility.bootstrap import Resampling as Resampling
 from .fragility.exports import export_fragility as export_fragility
 from .fragility.fits import Curve as Curve
@@ -36,7 +37,6 @@ from .fragility.fits import fit_stripes as fit_stripes
 from .fragility.fitted_curve import Fit as Fit
 from .fragility.hazard import HazardCurve as HazardCurve
 from .fragility.hazard import Rate as Rate
-from .fragility.hazard import annual_rate as annual_rate
 from .fragility.hazard_files import read_hazard as read_hazard
 from .fragility.study import fragility as fragility
 from .motions import Motion as Motion

@@ -43,9 +43,9 @@ def remarks(verdicts: list[Verdict], *, of_means: bool = False) -> list[str]:
     lines += sliding_remarks(verdicts, named)
     for v in verdicts:
         if v.devices:
-            from ..responses.tied_history import remarks as of_ties
+            from ..reports.remarks import devices_in_words
 
-            of_devices = of_ties(
+            of_devices = devices_in_words(
                 v.devices, v.first_overturning_a, v.first_overturning_a_free
             )
             lines += [f"{named([v])[0]}: {line}" for line in of_devices]
@@ -272,11 +272,12 @@ def inset_effects(
     verdicts: Sequence[Verdict], demands: Demands, limit: Limit
 ) -> Iterator[str]:
     """Yield a line for each structure on what worn edges would take of its capacity."""
+    from ..reports.remarks import inset_in_words
     from ..responses.inset import effects
 
     line = ProgressLine("inset", "structures")
     found = list(effects(verdicts, demands.rows, limit, progress=line))
-    yield from found
+    yield from map(inset_in_words, found)
     if not found:
         yield (
             "--inset-effect: no body has a capacity that worn edges lower; those with"

@@ -215,7 +215,8 @@ def note_governing(
     structures: Iterable[RockingParameters], dimensionless: bool
 ) -> None:
     """Print the governing equation of each structure."""
-    from ..dynamics.method import governing_method, model_in_words
+    from ..dynamics.method import governing_method
+    from ..reports.remarks import model_in_words
 
     lines = (
         model_in_words(

@@ -209,6 +209,7 @@ def _remarks(
     the linear one misjudges; equations: the number for each structure.
     """
     from ..envelopes.intervals import NONE, misjudged
+    from ..reports.remarks import misjudged_in_words
 
     for first in range(0, len(tracings), equations):
         of_structure = tracings[first : first + equations]
@@ -225,7 +226,8 @@ def _remarks(
         if equations > 1 and not wanted.lowest:
             rows = (tracing.rows for tracing in of_structure)
             most = of_structure[0].most
-            yield f"{of_structure[0].structure.name}: {misjudged(*rows, a_max=most)}"
+            said = misjudged_in_words(*misjudged(*rows, a_max=most), a_max=most)
+            yield f"{of_structure[0].structure.name}: {said}"
 
 
 def _closing(lines: list[str], narrowest: str, failed: int) -> None:
@@ -250,9 +252,9 @@ def _of_records(
     """Print the intervals of scale of each record that overturn a structure, or with
     --median their quantiles; drawn: gets the rows.
     """
-    from ..dynamics.method import model_in_words
     from ..envelopes.capacity import RATIO
     from ..envelopes.intervals import INTERVAL_KEYS, NAMED, NONE
+    from ..reports.remarks import model_in_words
     from ..responses.sliding import stuck_in_words
     from ..spectra.record_envelope import Tracing, overturning_spectrum, tracing_rows
     from ..spectra.record_scene import scene_of_words

@@ -109,7 +109,7 @@ class Model:
         dimensionless: bool = False,
     ) -> list[str]:
         """Return the lines that name the equations."""
-        from ..dynamics.method import model_in_words
+        from ..reports.remarks import model_in_words
 
         pairs = zip(methods, self.models, strict=True)
         return [

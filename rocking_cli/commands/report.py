@@ -84,8 +84,7 @@ def report(
     from ..envelopes.intervals import A_MAX
     from ..reports.page import WRITTEN_WITH, write_page
     from ..reports.page_sections import Subject
-    from ..reports.wording import opposite_in_words
-    from ..responses.verdict import tally
+    from ..reports.wording import opposite_in_words, tally
     from ..structures import build_structure, with_distinct_names
     from ..structures.mechanics.capacity_curve import require_geometry
     from .check_demands import at_worst, demands_on, opposite_outcomes

@@ -476,37 +476,29 @@ def governing_method(
     nonlinear = Method(MODELS[-1] if model is None else model, tolerance)
     return (
         nonlinear
-        if model is not None or (not dimensionless and all(map(_known, structures)))
+        if model is not None
+        or (not dimensionless and all(map(geometry_known, structures)))
         else LINEAR
     )
 
 
-def _known(structure: RockingParameters) -> bool:
+def geometry_known(structure: RockingParameters) -> bool:
     """True if the geometry of a structure is known and there is a nonlinear equation
     for it.
     """
     return structure.structure != "parameters" and Method(MODELS[-1]).serves(structure)
 
 
-def model_in_words(
-    method: Method,
-    *structures: RockingParameters,
-    model: str | None = None,
-    dimensionless: bool = False,
-) -> str:
-    """The line that names the model of a run; if the model is linear by default, it
-    says why. Parameters as of `governing_method`.
+def joined(equations: Sequence[Equation]) -> Equation:
+    """Return the equation of several edges, each as `Equation.edge` returns it: `on`
+    takes their numbers as cells.
     """
-    line = f"model: {method.model}"
-    if model is not None or method != LINEAR:
-        return line
-    if dimensionless:
-        return f"{line}, on dimensionless axes (A, Omega)"
-    stated = [s.name for s in structures if not _known(s)]
-    return (
-        f"{line}, since the geometry of"
-        f" {', '.join(stated[:3])}{' and others' * (len(stated) > 3)} is not known"
-    )
+    first, *others = equations
+    if not first.composed:
+        return first.joined(others)
+    from .equations.two_mechanisms import TwoMechanisms
+
+    return TwoMechanisms.of_cells(equations)
 
 
 def has_direction(structure: RockingParameters) -> bool:

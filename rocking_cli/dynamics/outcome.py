@@ -1,4 +1,4 @@
-"""Outcomes of cells, each with its code, sentence and colour, and tests for those that
+"""Outcomes of cells, each with its code and sentence, and tests for those that
 overturned, fall or are safe.
 """
 
@@ -17,20 +17,14 @@ FALLEN = 3.0
 
 
 class _Code(IntEnum):
-    """A code with the words and signs that show it."""
+    """A code with the words that say it."""
 
     sentence: str  # what has happened, in words
-    colour: str  # colour in figures; empty if figures do not show it
-    sign: str  # sign in maps of characters
 
-    def __new__(
-        cls, code: int, sentence: str = "", colour: str = "", sign: str = ""
-    ) -> Self:
+    def __new__(cls, code: int, sentence: str = "") -> Self:
         member = int.__new__(cls, code)
         member._value_ = code
         member.sentence = sentence
-        member.colour = colour
-        member.sign = sign
         return member
 
     @property
@@ -49,10 +43,8 @@ class Outcome(_Code):
     """What became of a body: the outcome codes of `Response` and of spectra files.
 
     `flag` is the word that files and tables use, to which an outcome is equal;
-    `sentence` says it in words;
-    `overturned`, `falls` and `safe` sort the outcomes. The functions `overturned` and
-    `safe` do so for arrays. The colours are those of Okabe and Ito, which colour-blind
-    people can tell apart.
+    `sentence` says it in words; `overturned`, `falls` and `safe` sort the outcomes.
+    The functions `overturned` and `safe` do so for arrays.
 
     Examples
     --------
@@ -61,15 +53,15 @@ class Outcome(_Code):
     ('overturned_after_impact', 'overturns after an impact', True)
     """
 
-    NOT_COMPUTED = 0, "not computed", "#DDDDDD", "?"
-    NO_UPLIFT = 1, "no uplift", "#FFFFFF", " "
-    ROCKED = 2, "rocks and survives", "#BFDDEB", "."
-    OVERTURNED_NO_IMPACT = 3, "overturns without impact", "#7A4A00", "#"
-    OVERTURNED_AFTER_IMPACT = 4, "overturns after an impact", "#E69F00", "o"
-    FAILED = 5, "failed", "#000000", "!"
-    LOST_CONTACT = 6, "loses contact with the ground", "#CC79A7", "^"
-    LEANING = 7, "comes to rest leaning, held by its ties", "#009E73", "/"
-    SLID = 8, "slides and never rocks", "#F0E442", "~"
+    NOT_COMPUTED = 0, "not computed"
+    NO_UPLIFT = 1, "no uplift"
+    ROCKED = 2, "rocks and survives"
+    OVERTURNED_NO_IMPACT = 3, "overturns without impact"
+    OVERTURNED_AFTER_IMPACT = 4, "overturns after an impact"
+    FAILED = 5, "failed"
+    LOST_CONTACT = 6, "loses contact with the ground"
+    LEANING = 7, "comes to rest leaning, held by its ties"
+    SLID = 8, "slides and never rocks"
 
     @property
     def mode(self) -> str:
@@ -106,8 +98,8 @@ class Difference(_Code):
 
     NOT_COMPUTED = 0, "one of them failed"
     AGREES = 1, "linear agrees"
-    LINEAR_UNSAFE = 2, "linear stands, the body falls", "#D55E00"
-    LINEAR_FALSE_ALARM = 3, "linear falls, the body stands", "#0072B2"
+    LINEAR_UNSAFE = 2, "linear stands, the body falls"
+    LINEAR_FALSE_ALARM = 3, "linear falls, the body stands"
 
 
 _OVERTURNED, _FALLS, _SAFE = np.array(

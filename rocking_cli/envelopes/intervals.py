@@ -397,10 +397,11 @@ def misjudged(
     nonlinear: Sequence[Mapping[str, Any]],
     *,
     a_max: float,
-) -> str:
-    """Return a sentence that states over which length in A, summed over the
-    frequencies, the two equations give different outcomes. linear, nonlinear: the rows
-    of `structure_intervals` up to a_max.
+) -> tuple[float, float, float]:
+    """Return the lengths in A, summed over the frequencies, over which the linear
+    equation stands and the nonlinear one falls, the nonlinear one falls, and the linear
+    one falls and the other one stands. linear, nonlinear: the rows of
+    `structure_intervals` up to a_max.
     """
 
     def intervals(
@@ -413,8 +414,6 @@ def misjudged(
         ]
         return [(r["A_from"], a_max if r["A_to"] is None else r["A_to"]) for r in mine]
 
-    # Lengths in A: where the linear equation stands and the nonlinear one falls, where
-    # the nonlinear one falls, and where the linear one falls and the other one stands.
     unsafe = falls = alarms = 0.0
     for key in {(r["Omega"], r.get("sign")) for r in (*linear, *nonlinear)}:
         both = intervals(linear, key), intervals(nonlinear, key)
@@ -433,12 +432,7 @@ def misjudged(
         unsafe += float(width[~by_linear & by_nonlinear].sum())
         falls += float(width[by_nonlinear].sum())
         alarms += float(width[by_linear & ~by_nonlinear].sum())
-    share = f"{100.0 * unsafe / falls:.3g} %" if falls else "none"
-    overturn = f"the amplitudes that overturn up to A = {a_max:g}"
-    return (
-        f"the linear equation is unsafe over {share} of {overturn}, and falls over"
-        f" {alarms:.3g} in A where the body stands"
-    )
+    return unsafe, falls, alarms
 
 
 def check_curves(structure: RockingParameters, motion: Motion, axis: Axis) -> None:

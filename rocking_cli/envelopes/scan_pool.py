@@ -12,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..dynamics.equations.recurrence import motion_terms
+from ..dynamics.method import joined
 from ..dynamics.outcome import Outcome
 from ..dynamics.single.lane import Lane, LaneEdge
 from ..dynamics.single.series_roots import value
@@ -85,8 +86,8 @@ class ScanPool:
         )
         self.alike = bool((self.units == 1.0).all())  # one unit of y for every side
         self.paces, self.lowest_limit = 1.0 / omega, float(self.limit.min())
-        first, *others = (edge.equation for edge in edges)
-        self.equations, self.accuracy = first.joined(others), scans[0].accuracy
+        self.equations = joined([edge.equation for edge in edges])
+        self.accuracy = scans[0].accuracy
         self._store_lines([scan.lines for scan in scans])
 
         body = np.repeat(np.arange(len(scans)), [a.size for a in amplitudes])

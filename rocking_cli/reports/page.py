@@ -32,7 +32,7 @@ from ..processes import available_cpus, processes
 from ..publishing import check_target, published
 from ..responses.check import Demand, Progress, verdicts
 from ..responses.opposite import opposite_outcomes
-from ..responses.verdict import Verdict, tally
+from ..responses.verdict import Verdict
 from ..structures import (
     build_structure,
     on_each_interface,
@@ -48,6 +48,7 @@ from .wording import (
     demand_plainly,
     opposite_in_words,
     overview_row,
+    tally,
     worst_of,
 )
 

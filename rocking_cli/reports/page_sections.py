@@ -29,7 +29,6 @@ from ..motions.recording import Recording
 from ..responses.check import Demand
 from ..responses.code_check import METHODS, CodeCheck, code_check, first_beyond
 from ..responses.shares import ShareOfDraws
-from ..responses.tied_history import remarks as device_remarks
 from ..responses.uncertainty import drawn_verdict, share_curve
 from ..responses.verdict import Verdict
 from ..spectra.results import Spectrum
@@ -43,6 +42,7 @@ from .figures.fragility_curves import fragility_curves
 from .figures.maps import outcome_map
 from .figures.memory import memory_file
 from .figures.shares import shares
+from .remarks import devices_in_words
 from .wording import draws_in_words, parameter_rows
 
 SIDE = 60  # values on each axis of a map, whose cells are printed 1 mm wide
@@ -150,7 +150,7 @@ def section(
             f"{v.motion}: {remark}"
             for v in mine
             for remark in [
-                *device_remarks(
+                *devices_in_words(
                     v.devices, v.first_overturning_a, v.first_overturning_a_free
                 ),
                 *([v.slide.words] if v.slide else []),

@@ -149,6 +149,30 @@ def verdict_plainly(v: Verdict) -> str:
     return said + " This is by the linear equation alone." * (v.model == LINEAR.model)
 
 
+def tally(verdicts: Sequence[Verdict]) -> str:
+    """Return a text with the number of structures that overturn, and, if there are any,
+    of those that lose contact or lean.
+    """
+    lost, leans = (
+        sum(v.outcome == outcome for v in verdicts)
+        for outcome in (Outcome.LOST_CONTACT, Outcome.LEANING)
+    )
+    overturn = (
+        f"{sum(v.outcome.overturned for v in verdicts)} of {len(verdicts)} overturn"
+    )
+    if slid := sum(v.outcome == Outcome.SLID for v in verdicts):
+        overturn += f", {slid} slide{'s' if slid == 1 else ''} and never rock"
+        overturn += "s" * (slid == 1)
+    overturn += (
+        f", {lost} lose{'s' if lost == 1 else ''} contact with the ground"
+        if lost
+        else ""
+    )
+    return overturn + (
+        f", {leans} come{'s' if leans == 1 else ''} to rest leaning" if leans else ""
+    )
+
+
 def capacity_left(v: Verdict) -> float:
     """Return capacity over demand for sorting: -1 for an unknown outcome, infinite if
     nothing overturns the structure.

@@ -4,6 +4,7 @@ inside the edges.
 
 import math
 from collections.abc import Callable, Iterator, Sequence
+from typing import NamedTuple
 
 from ..envelopes.amplitudes import Limit, limit_of
 from ..motions import Motion
@@ -14,6 +15,16 @@ from .check import Demand, first_overturning
 from .verdict import Verdict
 
 INSET = 0.05  # of the width
+
+
+class InsetEffect(NamedTuple):
+    """What pivots inside the edges change of the least capacity of a structure."""
+
+    structure: str  # its name
+    inset: float  # of the pivots [m]
+    change: float  # of the capacity, over that on the edges as they are [-]
+    # True if the strength gives the inset, and the edges are taken to be sharp
+    crushes: bool
 
 
 def may_be_worn(verdicts: Sequence[Verdict], demands: Sequence[Demand]) -> bool:
@@ -33,13 +44,13 @@ def effects(
     a_max: float | Limit,
     *,
     progress: Callable[[float, int], None] | None = None,
-) -> Iterator[str]:
-    """Yield a line for each structure: how much of its least capacity pivots 5 % of the
-    width inside the edges would take.
+) -> Iterator[InsetEffect]:
+    """Yield for each structure how much of its least capacity pivots 5 % of the width
+    inside the edges would take.
 
     a_max: the largest amplitude of the search; progress: called with the number of
     structures that are done and of all. A structure with an `inset` of its own, with
-    ties, without a capacity or without edges has no line. Raises UsageError as `check`
+    ties, without a capacity or without edges is left out. Raises UsageError as `check`
     does.
     """
     asked = {
@@ -51,11 +62,11 @@ def effects(
         if verdict.first_overturning_a:
             least.setdefault(verdict.structure, verdict)
     for done, verdict in enumerate(least.values(), 1):
-        line = _effect(verdict, *asked[verdict.structure, verdict.motion], a_max)
+        found = _effect(verdict, *asked[verdict.structure, verdict.motion], a_max)
         if progress is not None:
             progress(done, len(least))
-        if line is not None:
-            yield line
+        if found is not None:
+            yield found
 
 
 def _effect(
@@ -64,8 +75,8 @@ def _effect(
     motion: Motion,
     grid: Grid,
     a_max: float | Limit,
-) -> str | None:
-    """Return the line on one structure."""
+) -> InsetEffect | None:
+    """Return the effect on one structure."""
     known, found = verdict.first_overturning_a, _inset_of(structure)
     if found is None or known is None:
         return None
@@ -73,21 +84,9 @@ def _effect(
     other = first_overturning(body, motion, grid, limit_of(a_max, body), known)
     if other is None:
         return None
-    pivots = f"pivots {1000.0 * inset:.3g} mm inside the edges"
-    if _crushes(structure):  # the other body is the one with sharp edges
-        change = 100.0 * (known / other - 1.0)
-        does = "take" if change <= 0.0 else "add"
-        return (
-            f"{structure.name}: {pivots} (its strength: the toe crushes) {does}"
-            f" {abs(change):.2g} % of the capacity on sharp edges"
-        )
-    change = 100.0 * (other / known - 1.0)
-    why = f"({100.0 * INSET:g} % of the width: rounding, wear)"
-    does = "take" if change <= 0.0 else "add"
-    return (
-        f"{structure.name}: {pivots} {why} would {does} {abs(change):.2g} % of the"
-        " capacity"
-    )
+    crushes = _crushes(structure)  # the other body is the one with sharp edges
+    change = (known / other if crushes else other / known) - 1.0
+    return InsetEffect(structure.name, inset, change, crushes)
 
 
 def _inset_of(structure: RockingParameters) -> tuple[float, RockingParameters] | None:

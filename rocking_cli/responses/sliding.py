@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -29,7 +29,7 @@ from ..structures.friction import (
 )
 from ..structures.given import Structure, structure_from
 from ..structures.parameters import RockingParameters
-from .verdict import SLIDE_COLUMNS, Verdict
+from .verdict import SLIDE_COLUMNS, SlideVerdict, Verdict
 
 POINTS = 500  # times of a history over its whole length, unless the user says
 MOST_POINTS = 10_000_000
@@ -355,27 +355,6 @@ def slide_history(
     sliding = Base(moved, friction).under(structure.gravity / a_g)
     pace = omega * structure.p
     return SlideHistory(structure, moved, a_g, pace, friction, sliding)
-
-
-@dataclass(frozen=True)
-class SlideVerdict:
-    """What a verdict on a body that slides adds; its rocking answer is that of the same
-    body on a base that does not slide.
-    """
-
-    slide_a: float  # mu_s g, the ground acceleration from which it slides [m/s2]
-    slide_max: float  # largest displacement over the ground [m]
-    slide_residual: float  # displacement at the end [m], positive with +x_g
-    slide_speed: float  # largest speed over the ground [m/s]
-    stuck_outcome: Outcome  # of the base that does not slide
-    # lowest a_g that overturns the body on that base [m/s2], None if none does
-    stuck_first_overturning_a: float | None
-    words: str  # what the body does, in words
-
-    def row(self) -> dict[str, Any]:
-        """Return the columns SLIDE_COLUMNS."""
-        own = asdict(self) | {"stuck_outcome": self.stuck_outcome.flag}
-        return {key: own[key] for key in SLIDE_COLUMNS}
 
 
 def with_sliding(

@@ -1,15 +1,11 @@
 """The verdict on a structure under one motion, as a record and as a row."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from dataclasses import asdict, dataclass, field
+from typing import Any
 
 from ..digits import rounded_down
 from ..dynamics.outcome import Outcome
 from ..showing import Shown
-
-if TYPE_CHECKING:
-    from .sliding import SlideVerdict
 
 CHECK_KEYS = ("structure", "motion")  # the columns that say which row it is
 CHECK_COLUMNS = (
@@ -47,6 +43,27 @@ SLIDE_COLUMNS = (
 )
 FLOOR_COLUMNS = ("floor_pga", "floor_chord")
 KNOWN = 4  # significant digits of a capacity where many narrow intervals overturn
+
+
+@dataclass(frozen=True)
+class SlideVerdict:
+    """What a verdict on a body that slides adds; its rocking answer is that of the same
+    body on a base that does not slide.
+    """
+
+    slide_a: float  # mu_s g, the ground acceleration from which it slides [m/s2]
+    slide_max: float  # largest displacement over the ground [m]
+    slide_residual: float  # displacement at the end [m], positive with +x_g
+    slide_speed: float  # largest speed over the ground [m/s]
+    stuck_outcome: Outcome  # of the base that does not slide
+    # lowest a_g that overturns the body on that base [m/s2], None if none does
+    stuck_first_overturning_a: float | None
+    words: str  # what the body does, in words
+
+    def row(self) -> dict[str, Any]:
+        """Return the columns SLIDE_COLUMNS."""
+        own = asdict(self) | {"stuck_outcome": self.stuck_outcome.flag}
+        return {key: own[key] for key in SLIDE_COLUMNS}
 
 
 @dataclass(frozen=True, repr=False)
@@ -152,7 +169,7 @@ class Verdict(Shown):
     # what is known, in words, of a body that slides, or may slide, while it rocks
     coupling: str = ""
     # the sliding of a body that slides and never rocks; None for another one
-    slide: "SlideVerdict | None" = None
+    slide: SlideVerdict | None = None
     # of a body on a floor of a building: largest acceleration of the floor [m/s2]
     floor_pga: float | None = None
     # what its straight lines miss at most, over floor_pga [-]
@@ -236,27 +253,3 @@ class Verdict(Shown):
             | {"first_overturning_a_free": self.first_overturning_a_free}
             | columns_of(self.devices)
         )
-
-
-def tally(verdicts: Sequence[Verdict]) -> str:
-    """Return a text with the number of structures that overturn, and, if there are any,
-    of those that lose contact or lean.
-    """
-    lost, leans = (
-        sum(v.outcome == outcome for v in verdicts)
-        for outcome in (Outcome.LOST_CONTACT, Outcome.LEANING)
-    )
-    overturn = (
-        f"{sum(v.outcome.overturned for v in verdicts)} of {len(verdicts)} overturn"
-    )
-    if slid := sum(v.outcome == Outcome.SLID for v in verdicts):
-        overturn += f", {slid} slide{'s' if slid == 1 else ''} and never rock"
-        overturn += "s" * (slid == 1)
-    overturn += (
-        f", {lost} lose{'s' if lost == 1 else ''} contact with the ground"
-        if lost
-        else ""
-    )
-    return overturn + (
-        f", {leans} come{'s' if leans == 1 else ''} to rest leaning" if leans else ""
-    )

@@ -3,6 +3,7 @@
 import numpy as np
 
 from rocking_cli import Outcome, overturned, safe
+from rocking_cli.reports.figures.colours import COLOURS, SIGNS
 
 
 def test_a_failed_or_missing_cell_is_neither_safe_nor_overturned():
@@ -23,6 +24,8 @@ def test_a_failed_or_missing_cell_is_neither_safe_nor_overturned():
     assert safe(codes).tolist() == [[False, True, True], [False, False, False]]
     assert overturned(codes).tolist() == [[False, False, False], [True, True, False]]
     assert (overturned(4), overturned(np.uint8(5))) == (True, False)
-    for look in ("sentence", "colour", "sign"):
-        assert len({getattr(o, look) for o in Outcome}) == len(Outcome)
-    assert all(len(o.sign) == 1 for o in Outcome)
+    assert len({o.sentence for o in Outcome}) == len(Outcome)
+    for looks in (COLOURS, SIGNS):
+        assert list(looks) == list(Outcome)
+        assert len(set(looks.values())) == len(Outcome)
+    assert all(len(sign) == 1 for sign in SIGNS.values())

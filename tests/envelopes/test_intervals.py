@@ -26,6 +26,7 @@ from rocking_cli import (
 )
 from rocking_cli.dynamics.method import Method
 from rocking_cli.envelopes.intervals import misjudged
+from rocking_cli.reports.remarks import misjudged_in_words
 
 
 @pytest.mark.parametrize(
@@ -175,9 +176,10 @@ def test_what_the_linear_equation_misjudges_is_the_width_of_the_difference():
             for low, high in ends
         ]
 
-    said = misjudged(
+    lengths = misjudged(
         rows((1.0, 2.0), (4.0, None)), rows((1.5, 3.0), (5.0, None)), a_max=8.0
     )
+    said = misjudged_in_words(*lengths, a_max=8.0)
     assert said.startswith(
         "the linear equation is unsafe over 22.2 % of the amplitudes"
     )  # 1 of 1.5 + 3

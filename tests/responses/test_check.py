@@ -27,8 +27,9 @@ from rocking_cli.dynamics.method import governing_method
 from rocking_cli.envelopes.capacity import Capacity
 from rocking_cli.envelopes.intervals import A_MAX
 from rocking_cli.motions.grid import as_recorded
+from rocking_cli.reports.wording import tally
 from rocking_cli.responses.check import check, verdicts
-from rocking_cli.responses.verdict import CHECK_COLUMNS, tally
+from rocking_cli.responses.verdict import CHECK_COLUMNS
 
 QUICK = (sine(), sine(0.5), pulse("rectangular"))  # whose scans have bounds
 PULSES = (*QUICK, pulse("cosine"), pulse("rectangular-impulse"))

@@ -13,10 +13,9 @@ structure has collapsed.
 """
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from functools import cached_property
 from operator import mul
-from typing import Any, Self
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
@@ -153,14 +152,6 @@ class MechanismEquation(Equation):
         if isinstance(y, list):
             return _composed_floats(self._about(y[0]), y)
         return composed(self.near(y[0], len(y.array) - 2), y, new)
-
-    def joined(self, others: Sequence[Self]) -> Any:
-        every = (self, *others)
-        if all(one.table is self.table for one in others):
-            return self
-        from .two_mechanisms import TwoMechanisms
-
-        return TwoMechanisms(every, np.arange(len(every)), by_cell=True)
 
     def room(self, y: float) -> float:
         """Return the distance from y up to which the series about y hold.

@@ -51,6 +51,14 @@ class TwoMechanisms(Equation):
         at = slice(None) if which is None else which
         self.bounds = lift[at], push[at]
 
+    @classmethod
+    def of_cells(cls, mechanisms: Sequence[Any]) -> Equation:
+        """Return the equation of mechanisms that belong to cells."""
+        first = mechanisms[0]
+        if all(one.table is first.table for one in mechanisms):
+            return first
+        return cls(mechanisms, np.arange(len(mechanisms)), by_cell=True)
+
     def _of(self, name: str) -> Array:
         """A number of the mechanisms, (lanes,), or of all of them."""
         numbers = np.array([getattr(one, name) for one in self.mechanisms])

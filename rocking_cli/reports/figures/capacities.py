@@ -18,6 +18,7 @@ from ...dynamics.outcome import Outcome
 from ...errors import ArgumentError, UsageError
 from ..tables import Above
 from .canvas import Axes, Figure, Look, canvas, literal, motion_in_words, panels
+from .colours import COLOURS
 
 if TYPE_CHECKING:
     from ...responses.code_check import CodeCheck, Reached
@@ -203,7 +204,7 @@ def _at_frequencies(verdicts: Sequence[Verdict]) -> str:
 
 def _plot_bar(axes: Axes, row: int, v: Verdict, unit: float) -> None:
     """Draw the bar of one verdict, and its mark at uplift; unit: of the axis [m/s2]."""
-    colour = v.outcome.colour if v.outcome != Outcome.NO_UPLIFT else "#E8E8E8"
+    colour = COLOURS[v.outcome] if v.outcome != Outcome.NO_UPLIFT else "#E8E8E8"
     reach = 0.0 if v.first_overturning_a is None else v.first_overturning_a / unit
     axes.barh(row, reach, height=0.62, color=colour, edgecolor="0.35", linewidth=0.8)
     if v.uplift_a is not None:

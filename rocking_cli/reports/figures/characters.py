@@ -9,6 +9,7 @@ from ...dynamics.outcome import Outcome
 from ...errors import UsageError
 from ...spectra.file.reader import SpectraFile
 from ..units import Units
+from .colours import SIGNS
 from .slices import Slice, of_record, plane, slice_of
 
 WIDTH, HEIGHT = 80, 24  # of the terminal, with a line for the prompt
@@ -34,7 +35,8 @@ def text_map(
     rows = _spread(y.size - 1, 0, HEIGHT - len(head) - 3)
     columns = _spread(0, x.size - 1, WIDTH - _MARGIN)
     lines = [
-        f"{y[r]:>9.3g} |" + "".join(Outcome(int(outcomes[r, c])).sign for c in columns)
+        f"{y[r]:>9.3g} |"
+        + "".join(SIGNS[Outcome(int(outcomes[r, c]))] for c in columns)
         for r in rows
     ]
     return [
@@ -57,7 +59,7 @@ def _signs(name: str, outcomes: np.ndarray) -> list[str]:
     """Return the name of a map and the meaning of its characters as lines."""
     items = (
         f"{name}:",
-        *(f"'{o.sign}' {o.sentence}" for o in Outcome if np.any(outcomes == o)),
+        *(f"'{SIGNS[o]}' {o.sentence}" for o in Outcome if np.any(outcomes == o)),
     )
     # No item is broken.
     first, *signs = (item[:WIDTH].replace(" ", "\xa0") for item in items)

@@ -22,6 +22,7 @@ from .canvas import (
     panels,
     valued,
 )
+from .colours import COLOURS
 
 _MODES = {o.mode: o for o in Outcome}
 # each combination of their values has its panel
@@ -171,15 +172,15 @@ def _draw(
         axes.add_collection(
             PolyCollection(
                 list(_joined(intervals, frequencies)),
-                facecolors=outcome.colour,
+                facecolors=COLOURS[outcome],
                 edgecolors="none",
             )
         )
-        axes.vlines(*np.array(intervals).T, color=outcome.colour, lw=width)
+        axes.vlines(*np.array(intervals).T, color=COLOURS[outcome], lw=width)
         if ends[1] not in some[0]:
-            axes.plot(x[mine], low[mine], "o", color=outcome.colour, ms=4.0)
+            axes.plot(x[mine], low[mine], "o", color=COLOURS[outcome], ms=4.0)
         words = outcome.sentence
-        entries[words] = Patch(facecolor=outcome.colour, label=words)
+        entries[words] = Patch(facecolor=COLOURS[outcome], label=words)
     axes.set_ylim(0.0, top)
     return entries
 

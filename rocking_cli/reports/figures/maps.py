@@ -7,11 +7,12 @@ from typing import Any
 import numpy as np
 
 from ...dynamics.method import LINEAR
-from ...dynamics.outcome import Difference, Outcome
+from ...dynamics.outcome import Outcome
 from ...errors import UsageError
 from ...spectra.file.reader import SpectraFile
 from ..units import Units
 from .canvas import DASHES, Axes, label, literal, titled
+from .colours import COLOURS, DIFFERENCES
 from .slices import plane
 
 # place of the name on a curve
@@ -43,7 +44,7 @@ def outcome_map(axes: Axes, file: SpectraFile, place: int, units: Units) -> list
             f"{file.path}: holds no computed cell of {names[place]}, nothing to draw"
         )
     x, y = (values / units.column(name)[2] for name, values in (across, up))
-    colours = [o.colour for o in Outcome]
+    colours = [COLOURS[o] for o in Outcome]
     norm = BoundaryNorm(np.arange(-0.5, len(colours)), len(colours))
     axes.pcolormesh(
         x,
@@ -55,7 +56,7 @@ def outcome_map(axes: Axes, file: SpectraFile, place: int, units: Units) -> list
         rasterized=True,
     )
     entries: list[Any] = [
-        Patch(facecolor=o.colour, edgecolor="0.5", label=o.sentence)
+        Patch(facecolor=COLOURS[o], edgecolor="0.5", label=o.sentence)
         for o in Outcome
         if np.any(shown == o)
     ]
@@ -89,21 +90,19 @@ def _differences(
     from matplotlib.patches import Patch
 
     entries = []
-    for one in Difference:
+    for one, colour in DIFFERENCES.items():
         there = np.ma.masked_not_equal(codes, int(one))
-        if one.colour and there.count():
+        if there.count():
             axes.pcolormesh(
                 x,
                 y,
                 there,
-                cmap=ListedColormap([one.colour]),
+                cmap=ListedColormap([colour]),
                 shading="nearest",
                 rasterized=True,
                 gid=one.flag,
             )
-            entries.append(
-                Patch(facecolor=one.colour, edgecolor="0.5", label=one.sentence)
-            )
+            entries.append(Patch(facecolor=colour, edgecolor="0.5", label=one.sentence))
     return entries
 
 

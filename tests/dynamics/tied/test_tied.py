@@ -31,8 +31,8 @@ from rocking_cli.dynamics.tied.bounces import Bounces
 from rocking_cli.dynamics.tied.devices import BROKEN
 from rocking_cli.dynamics.tied.tied_march import March
 from rocking_cli.motions.polyline import Polyline
+from rocking_cli.reports.remarks import devices_in_words
 from rocking_cli.responses.history import history
-from rocking_cli.responses.tied_history import remarks
 
 WALL = "kind: wall\nthickness: 0.6 m\nheight: 6 m\none_sided: true\nmass: 7200 kg\n"
 TIE = "ties: [{height: 5.5 m, stiffness: 2e6 N/m, prestress: 5 kN%s}]\n"
@@ -670,7 +670,9 @@ def test_bouncing_that_makes_the_tie_of_the_other_side_yield_is_not_summed(monke
 )
 def test_the_change_of_the_capacity_names_its_restraints(names, first, words):
     assert (
-        remarks(tuple({"device": name, "words": ""} for name in names), first, 2.0)[-1]
+        devices_in_words(
+            tuple({"device": name, "words": ""} for name in names), first, 2.0
+        )[-1]
         == words
     )
 
@@ -688,7 +690,7 @@ def test_check_says_that_a_yielding_tie_never_breaks(a_g, tie, told):
     """As its capacity may count on any elongation."""
     demand = parse_grid(f"a_g={a_g}g,T_g=0.8")
     verdict = check(built(WALL + tie), OUTWARDS, demand)
-    said = remarks(
+    said = devices_in_words(
         verdict.devices, verdict.first_overturning_a, verdict.first_overturning_a_free
     )
     assert any("tie 1 never breaks in this model" in line for line in said) is told

@@ -4,6 +4,7 @@ import pytest
 
 from rocking_cli import Outcome, SpectraFile
 from rocking_cli.reports.figures.characters import text_map
+from rocking_cli.reports.figures.colours import SIGNS
 from rocking_cli.reports.units import Units, parse_units
 
 
@@ -13,7 +14,7 @@ def test_a_map_has_the_sign_of_each_cell(swept):
         lines = text_map(file, None, None, Units())
     rows = [line.partition("|")[2] for line in lines if " |" in line]
     assert rows == [
-        "".join(Outcome(int(o)).sign for o in row) for row in outcome.T[::-1]
+        "".join(SIGNS[Outcome(int(o))] for o in row) for row in outcome.T[::-1]
     ]
 
 

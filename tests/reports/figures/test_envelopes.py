@@ -5,6 +5,7 @@ import pytest
 from support.axes import lines, numbers, same
 
 from rocking_cli import Outcome
+from rocking_cli.reports.figures.colours import COLOURS
 
 
 def inside(axes, x, y):
@@ -29,7 +30,7 @@ def test_an_envelope_is_a_band_from_where_overturning_begins_to_where_it_ends(
     assert top == pytest.approx(
         1.1 * np.nanmax([numbers(rows, "A_from"), numbers(rows, "A_to")])
     )
-    colour = {o.mode: to_rgba(o.colour) for o in Outcome}
+    colour = {o.mode: to_rgba(COLOURS[o]) for o in Outcome}
     for row in rows:
         x, low, high = (
             float(row["Omega"]),

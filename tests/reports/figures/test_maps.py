@@ -18,6 +18,7 @@ from rocking_cli import (
     draw,
     merge,
 )
+from rocking_cli.reports.figures.colours import COLOURS
 from rocking_cli.reports.units import parse_units
 
 
@@ -45,7 +46,7 @@ def test_a_map_shows_the_outcome_of_every_cell(figure, spectrum_file):
     np.testing.assert_array_equal(mesh.get_array().reshape(outcome.T.shape), outcome.T)
     shown = mesh.cmap(mesh.norm(outcome.T))
     for o in {Outcome(int(x)) for x in np.unique(outcome)}:
-        assert {tuple(x) for x in shown[o == outcome.T]} == {colors.to_rgba(o.colour)}
+        assert {tuple(x) for x in shown[o == outcome.T]} == {colors.to_rgba(COLOURS[o])}
         assert o.sentence in entries(figure)
     assert axes.get_xlim() == (grid.frequency.values[0], grid.frequency.values[-1])
     assert axes.get_ylim() == (grid.amplitude.values[0], grid.amplitude.values[-1])

@@ -1,0 +1,43 @@
+"""Files of the rooms that compute import each other in one direction only."""
+
+import ast
+from collections.abc import Iterator
+from pathlib import Path
+
+import rocking_cli
+
+PACKAGE = Path(rocking_cli.__file__).parent
+ROOMS = ("dynamics", "envelopes", "responses", "spectra", "fragility", "reports")
+
+
+def imported(tree: ast.AST, package: tuple[str, ...]) -> Iterator[tuple[str, ...]]:
+    """Modules and names that a file takes, also inside functions, but for annotations
+    alone not.
+    """
+    if isinstance(tree, ast.If) and ast.unparse(tree.test) == "TYPE_CHECKING":
+        return
+    if isinstance(tree, ast.ImportFrom) and tree.level:
+        base = package[: len(package) - tree.level + 1]
+        base += tuple((tree.module or "").split(".")) if tree.module else ()
+        yield base
+        yield from ((*base, name.name) for name in tree.names)
+    for child in ast.iter_child_nodes(tree):
+        yield from imported(child, package)
+
+
+def test_no_file_imports_itself_by_way_of_others():
+    files = {
+        file.relative_to(PACKAGE).with_suffix("").parts: file
+        for room in ROOMS
+        for file in (PACKAGE / room).rglob("*.py")
+    }
+    takes = {
+        name: set(imported(ast.parse(file.read_text("utf-8")), name[:-1]))
+        & files.keys()
+        for name, file in files.items()
+    }
+    # Files that import nothing that is left go, until those of circles are left.
+    while free := [name for name, of in takes.items() if not of & takes.keys()]:
+        for name in free:
+            del takes[name]
+    assert {".".join(name) for name in takes} == set()
