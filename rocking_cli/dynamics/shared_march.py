@@ -1,6 +1,6 @@
 """Several structures under one motion, whose cells are marched together."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
@@ -65,6 +65,17 @@ class SharedMarch:
             theta_ratio[at], outcome[at] = found.theta_ratio, found.outcome
             impacts[at] = found.impacts_at_least
         return theta_ratio, outcome, impacts
+
+    def of_rows(
+        self, which: Array, omega: Array
+    ) -> Callable[[Array, Array], tuple[Array, Array]]:
+        """Return the function of rows and amplitudes A, (cells,) each, that computes
+        outcomes and impacts; which, omega: the structure and Omega of each row, (rows,)
+        each.
+        """
+        return lambda row, amplitude: self.response(
+            which[row], amplitude, omega[row], peaks=False
+        )[1:]
 
     def _of_group(
         self, which: Array, amplitude: Array, omega: Array, peaks: bool

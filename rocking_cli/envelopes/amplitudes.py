@@ -56,12 +56,10 @@ class ScanGrid:
     size: int  # number of all points
 
     @classmethod
-    def between(
-        cls, lowest: float, highest: float, *, uplift: float = 0.0, ratio: float = 0.0
-    ) -> Self:
-        """The scan from one amplitude to another, both included. uplift: the least
-        amplitude that lifts the body (default: the lowest); ratio: the ratio of
-        neighbouring amplitudes minus 1, in place of a constant step.
+    def between(cls, lowest: float, highest: float, *, ratio: float = 0.0) -> Self:
+        """The scan from the amplitude that lifts the body to another, both included.
+        ratio: the ratio of neighbouring amplitudes minus 1, in place of a constant
+        step.
         """
         if ratio:
             near = np.geomspace(
@@ -71,7 +69,7 @@ class ScanGrid:
             return cls(near, highest, highest - lowest, near.size)
         count = int(np.ceil((highest - lowest) / SCAN_STEP))
         step = (highest - lowest) / count
-        close = (uplift or lowest) * (1.0 + np.geomspace(1e-3, 0.1, 460))
+        close = lowest * (1.0 + np.geomspace(1e-3, 0.1, 460))
         even = max(0, min(count, int(np.ceil((close[-1] - lowest) / step))))
         near = np.unique(
             np.concatenate(

@@ -18,7 +18,7 @@ import numpy as np
 from ..dynamics.impulse_bound import ImpulseBound
 from ..dynamics.lanes import Cells
 from ..dynamics.march.closings import FEW_SIGN_CHANGES
-from ..dynamics.outcome import Outcome, safe
+from ..dynamics.outcome import Outcome
 from ..dynamics.response import response
 from ..dynamics.system import System
 from ..motions import Motion
@@ -35,7 +35,6 @@ AROUND = 12  # points on either side of such a change that the finer scan includ
 _BATCH = 1 << 20  # cells of the scan computed together
 # points of a scan from which on it pays to prove the outcomes between some of them
 _MANY = 40_000
-_STRETCH = 80  # points computed together in a search for the first fall
 
 
 class ScanPoints(NamedTuple):
@@ -59,29 +58,21 @@ class Search:
     motion: Motion  # the motion of the ground
     eta: float  # restitution [-]
     a_max: float  # last amplitude of the search [-]
-    a_min: float = 0.0  # first amplitude of the search [-], unless uplift is above it
     # ratio of neighbouring amplitudes of the scan minus 1 [-], in place of SCAN_STEP
     # and of the finer scan; 0 for those
     ratio: float = 0.0
     digits: float = 4e-16  # relative width to which changes are traced [-]
     parts: int = SECTIONS  # parts of a bracket in one cut
 
-    @property
-    def lowest(self) -> float:
-        """The amplitude at which the search begins."""
-        return max(self.a_min, self.uplift)
-
     @cached_property
     def uplift(self) -> float:
-        """The amplitude of the first uplift."""
+        """The amplitude of the first uplift, at which the search begins."""
         return self.system.least_uplift(self.motion)
 
     @cached_property
     def grid(self) -> ScanGrid:
         """The amplitudes of the scan."""
-        return ScanGrid.between(
-            self.lowest, self.a_max, uplift=self.uplift, ratio=self.ratio
-        )
+        return ScanGrid.between(self.uplift, self.a_max, ratio=self.ratio)
 
     @cached_property
     def safe_impulse(self) -> float:
@@ -105,9 +96,9 @@ class Search:
         """Compute the response at these amplitudes: codes of `Outcome`, with ROCKED in
         place of NO_UPLIFT.
         """
-        return self._respond(amplitude, omega)[0]
+        return self.respond(amplitude, omega)[0]
 
-    def _respond(self, amplitude: Array, omega: Array) -> tuple[Array, Array]:
+    def respond(self, amplitude: Array, omega: Array) -> tuple[Array, Array]:
         """(codes of `Outcome`, number of impacts until the outcome was certain)."""
         found = response(
             self.system, self.motion, amplitude, omega, self.eta, peaks=False
@@ -115,7 +106,7 @@ class Search:
         return lifted(found.outcome), found.impacts_at_least
 
     def rows(self, omegas: Array) -> list[Steps]:
-        """For each Omega the outcome at the amplitude `lowest` and at every change
+        """For each Omega the outcome at uplift and at every change
         above it. Changes are traced to the relative width `digits`; intervals narrower
         than the step of the scan may be missed.
         """
@@ -123,50 +114,14 @@ class Search:
         return self._steps(begins, self._narrowed(omegas, brackets))
 
     def _steps(self, begins: Array, found: Brackets) -> list[Steps]:
-        """Return the outcome of each row at `lowest` and above every change found."""
-        rows = [[(self.lowest, label)] for label in begins.tolist()]
+        """Return the outcome of each row at uplift and above every change found."""
+        rows = [[(self.uplift, label)] for label in begins.tolist()]
         found = found.take(np.lexsort((found.high, found.row)))
         for row, amplitude, label in zip(
             found.row.tolist(), found.high.tolist(), found.above.tolist(), strict=True
         ):
             rows[row].append((amplitude, label))
         return rows
-
-    def amplitudes(self, omega: float) -> Array:
-        """The amplitudes of the scan at one Omega that no theorem decides."""
-        first, last = self._points_to_compute(np.array([omega]))
-        return self.grid.amplitude(np.arange(first[0], last[0] + 1))
-
-    def first_falls(self, omegas: Array) -> list[Steps]:
-        """As `rows`, but only up to the lowest unsafe amplitude of the scan, which is
-        computed stretch by stretch.
-        """
-        scan = self.grid
-        going, at, parts = np.arange(omegas.size), 0, []
-        while going.size and at < scan.size:
-            points = scan.amplitude(np.arange(at, min(at + _STRETCH, scan.size)))
-            label = self.outcome(points, omegas[going, None])
-            falls = ~safe(label)
-            # Rows that have a fall here leave the search, with a bracket below it.
-            hit, n = np.flatnonzero(falls.any(axis=1)), falls.argmax(axis=1)
-            n = n[hit]
-            below = np.full(hit.size, Outcome.ROCKED, dtype=np.uint8)
-            parts.append(
-                Brackets(
-                    going[hit],
-                    scan.amplitude(np.maximum(at + n - 1, 0)),
-                    points[n],
-                    below,
-                    label[hit, n],
-                )
-            )
-            going, at = going[~falls.any(axis=1)], at + _STRETCH
-        found = self._narrowed(omegas, Brackets.joined(parts), lowest=True)
-        rows = self._steps(
-            np.full(omegas.size, Outcome.ROCKED),
-            found.take(np.flatnonzero(~safe(found.above))),
-        )
-        return [row[:2] for row in rows]
 
     def _scan(self, omegas: Array) -> tuple[Array, Brackets]:
         """(outcome at the first amplitude of each row, brackets of the changes between
@@ -243,7 +198,7 @@ class Search:
         impacts = np.empty(row.size, dtype=np.int32)
         for begin in range(0, row.size, _BATCH):
             batch = slice(begin, begin + _BATCH)
-            label[batch], impacts[batch] = self._respond(
+            label[batch], impacts[batch] = self.respond(
                 amplitude[batch], omegas[row[batch]]
             )
         return ScanPoints(row, amplitude, label, impacts)
@@ -344,18 +299,14 @@ class Search:
         last[rows] = high
         return last
 
-    def _narrowed(
-        self, omegas: Array, brackets: Brackets, *, lowest: bool = False
-    ) -> Brackets:
-        """The changes in the brackets, traced to the relative width `digits`; lowest:
-        True for only the lowest change of each bracket.
-        """
+    def _narrowed(self, omegas: Array, brackets: Brackets) -> Brackets:
+        """The changes in the brackets, traced to the relative width `digits`."""
         return narrowed(
             lambda amplitude, row: self.outcome(amplitude, omegas[row]),
             brackets,
             self.digits,
             self.parts,
-            lowest,
+            lowest=False,
         )
 
 

@@ -45,24 +45,26 @@ class Brackets(Arrays):
 def narrowed(
     outcome: Callable[[Array, Array], Array],
     brackets: Brackets,
-    digits: float,
+    digits: Array | float,
     parts: int,
     lowest: bool,
     later: int | None = None,
 ) -> Brackets:
-    """Return the brackets narrowed to a relative width of `digits`. outcome: function
-    from amplitudes and rows, of shapes that broadcast, to outcomes; parts: parts of a
-    bracket in the first cut; later: those of each later one, by default as many, up to
-    16. The first cut keeps every change that it uncovers, unless a row has too many; if
-    `lowest`, it keeps the lowest change of each bracket. Later cuts keep a chain of
-    changes from the outcome below to the outcome above.
+    """Return the brackets narrowed to a relative width of `digits`, one for all or one
+    of each row. outcome: function from amplitudes and rows, of shapes that broadcast,
+    to outcomes; parts: parts of a bracket in the first cut; later: those of each later
+    one, by default as many, up to 16. If `lowest`, every cut keeps the lowest change of
+    each bracket, and has so many `parts`. Otherwise the first cut keeps every change
+    that it uncovers, unless a row has too many; later cuts keep a chain of changes from
+    the outcome below to the outcome above.
     """
     done, first = [], True
     later = later or min(parts, _PARTS_OF_MANY)
     while True:
         low, high = brackets.low, brackets.high
         middle = 0.5 * (low + high)
-        closed = (high - low <= digits * high) | (middle <= low) | (middle >= high)
+        width = digits[brackets.row] if isinstance(digits, np.ndarray) else digits
+        closed = (high - low <= width * high) | (middle <= low) | (middle >= high)
         done.append(brackets.take(np.flatnonzero(closed)))
         brackets = brackets.take(np.flatnonzero(~closed))
         if not brackets.row.size:
@@ -76,7 +78,7 @@ def narrowed(
             [brackets.below, outcome(inner, brackets.row[:, None]), brackets.above]
         )
         # Keep the sections whose two ends differ, as new brackets.
-        if first and lowest:
+        if lowest:
             of = np.arange(len(labels))
             at = (labels[:, 1:] != labels[:, :1]).argmax(axis=1)
         else:

@@ -16,22 +16,21 @@ from ..motions import Motion
 from ..motions.grid import Axis, Grid
 from ..structures.parameters import RockingParameters
 from .amplitudes import Limit, limit_of
-from .boundaries import Search
+from .boundaries import looks_finely
 from .capacity import CapacitySearch, tracing_width
-from .first_falls import FirstFalls
+from .first_falls import WITHIN, Climb, lowest_falls
 
 Array = np.ndarray
 
 # ratio of neighbouring frequencies of the scan; narrower minima may be missed
 _RATIO = 1.04
-_WITHIN = 1.2  # upper end of the scan over the least amplitude so far
 # relative distance from an end at which a lower amplitude shows that the end is no
 # minimum
 _INSIDE = 1e-4
 _FINE = 1e-6  # relative width to which the frequency of a minimum is found
 # times the demand: the search for falls between the frequencies of an outcome scan
 _OUTCOME_REACH = 1.5
-_LADDER = 1.002  # ratio of the amplitudes of this search
+_LADDER = 2e-3  # ratio of the amplitudes of this search, minus 1
 _SCANNED = 0.6  # about the share of the scan of a search
 _HALF = 12  # searches around minima after which half of the rest is taken as done
 
@@ -97,21 +96,15 @@ class FrequencyRange(NamedTuple):
             low, high, 2 + math.ceil(math.log(high / low) / math.log(_RATIO))
         )
 
-    def search(self, most: float) -> Search:
-        """The search for overturning amplitudes up to `most`. Raises UsageError if it
-        is above the limit of a scan.
-        """
-        self._capacity_search(self.begin, most).ends()
-        return Search(self.system, self.motion, self.structure.eta, most)
-
     def first(self, omega: float, most: float) -> float:
         """The first overturning amplitude at an Omega, infinite if none up to `most`
         overturns.
         """
-        found = self._capacity_search(omega, most).capacity().first
+        found = self.search(omega, most).capacity().first
         return math.inf if found is None else found
 
-    def _capacity_search(self, omega: float, most: float) -> CapacitySearch:
+    def search(self, omega: float, most: float) -> CapacitySearch:
+        """The search for overturning amplitudes up to `most` at an Omega."""
         return CapacitySearch(
             self.structure, self.motion, self.uplift, omega, self.method, most
         )
@@ -209,97 +202,76 @@ class FrequencySearch:
         """
         most = np.array([one.most for one in self.ranges])
         uplift = np.array([one.uplift for one in self.ranges])
-        searched = np.flatnonzero(uplift < most).tolist()
-        rows = ScanRows.of(self.ranges, searched)
-        falls, most = self._climbed(rows, most)
+        rows = ScanRows.of(self.ranges, np.flatnonzero(uplift < most).tolist())
+        ends = np.flatnonzero(rows.at_an_end(np.arange(rows.body.size)))
+        # the first fall at each frequency of the scan, and a little inside of its ends
+        first, inside = np.split(
+            self._first_falls(
+                np.append(rows.body, rows.body[ends]),
+                np.append(rows.omega, rows.insides(ends)),
+                most,
+                lambda share: self.tell(_SCANNED * share),
+            ),
+            [rows.body.size],
+        )
+        lower_inside = np.zeros(rows.body.size, dtype=bool)
+        lower_inside[ends] = inside < first[ends]
         found: list[float | None] = []
         for body, one in enumerate(self.ranges):
             own = rows.of_body(body)
-            if not own.size:
-                found.append(self._of_outcomes(one, body, own, falls, one.ends[0]))
-                continue
-            omega, above = self._least_of(body, own, rows, falls, float(most[body]))
-            found.append(
-                omega if above else self._of_outcomes(one, body, own, falls, omega)
-            )
+            omega, least = self._least_of(one, own, rows, first, lower_inside)
+            if not one.amplitude < least < math.inf:
+                known = rows.omega[own], first[own]
+                found.append(self._of_outcomes(one, body, *known, omega))
+            else:
+                found.append(omega)
         return found
 
-    def _climbed(self, rows: ScanRows, most: Array) -> tuple[FirstFalls, Array]:
-        """(brackets of the first falls of these rows, followed by those a little inside
-        of the ends of the ranges; the largest amplitude of the search of each body).
+    def _first_falls(
+        self, body: Array, omega: Array, most: Array, tell: Tell = lambda _: None
+    ) -> Array:
+        """The first overturning amplitudes of bodies at these Omega, (rows,); infinite
+        if they are above `most`, (bodies,), or far above the least one of the body.
         """
-        at = np.arange(rows.body.size)
-        ends = at[rows.at_an_end(at)]
-        falls = self._falls(
-            np.append(rows.body, rows.body[ends]),
-            np.append(rows.omega, rows.insides(ends)),
-            most,
+        for i in np.unique(body).tolist():
+            self.ranges[i].search(self.ranges[i].begin, float(most[i])).ends()
+        uplift = np.array([one.uplift for one in self.ranges])[body]
+        digits = np.array(
+            [tracing_width(one.method, self.motion) for one in self.ranges]
         )
-        # The falls at the ends and in the middle of a range shorten its search.
-        deciding = np.zeros(falls.body.size, dtype=bool)
-        for body in np.unique(rows.body):
-            own = rows.of_body(int(body))
-            deciding[own[[0, own.size // 2, -1]]] = True
-
-        def lowers(fallen: Array) -> Array:
-            fallen = fallen[deciding[fallen]]
-            np.minimum.at(most, falls.body[fallen], _WITHIN * falls.high[fallen])
-            return most
-
-        most = most.copy()
-        falls.climb(most, lowers, lambda share: self.tell(_SCANNED * share))
-        beyond = falls.high > most[falls.body]
-        falls.low[beyond] = falls.high[beyond] = np.inf
-        return falls, most
-
-    def _falls(self, body: Array, omega: Array, most: Array) -> FirstFalls:
-        """The search for the first falls of these rows; it has not begun."""
-        searches = {
-            int(i): self.ranges[i].search(float(most[i])) for i in np.unique(body)
-        }
-        digits = [tracing_width(one.method, self.motion) for one in self.ranges]
-        return FirstFalls(self.march, searches, body, omega, np.array(digits))
+        return lowest_falls(
+            self.march.of_rows(body, omega),
+            Climb(uplift, most[body], uplift),
+            digits[body],
+            finely=looks_finely(self.motion),
+            rivals=body,
+            tell=tell,
+        ).amplitude
 
     def _least_of(
-        self, body: int, own: Array, rows: ScanRows, falls: FirstFalls, most: float
-    ) -> tuple[float, bool]:
-        """(Omega of the least overturning amplitude of a body, the lower end if there
-        is none; True if this amplitude is above the demand). own: its rows.
+        self,
+        one: FrequencyRange,
+        own: Array,
+        rows: ScanRows,
+        first: Array,
+        lower_inside: Array,
+    ) -> tuple[float, float]:
+        """(Omega of the least overturning amplitude of a body, this amplitude); the
+        lower end of the range and infinite without one. own: its rows; first: first
+        falls at all rows; lower_inside: True for rows at an end of the range a little
+        inside of which the first fall is lower.
         """
-        one = self.ranges[body]
-        lowest = self._minima_of_scan(own, rows, falls)
+        lowest = _minima(own, rows, first)
         if not lowest.size:
-            return one.ends[0], False
-        best = falls.lowest(lowest)
-        minima = []
-        for row in lowest.tolist():
-            if rows.at_an_end(np.array([row]))[0]:
-                inside = self._inside(row, rows)
-                if falls.not_above(np.array([row]), np.array([inside]))[0]:
-                    continue  # no lower a little inside
-            minima.append(self._minimum(one, rows.around(row), most))
-        first, omega = min(minima, default=(math.inf, 0.0))
-        if minima and falls.exceeds(np.array([best]), np.array([first]))[0]:
-            return omega, first > one.amplitude
-        above = falls.exceeds(np.array([best]), np.array([one.amplitude]))[0]
-        return float(rows.omega[best]), bool(above)
-
-    def _inside(self, row: int, rows: ScanRows) -> int:
-        """The row a little inside of the end of the range at which a row is."""
-        at = np.arange(rows.body.size)
-        ends = at[rows.at_an_end(at)]
-        return rows.body.size + int(np.searchsorted(ends, row))
-
-    def _minima_of_scan(self, own: Array, rows: ScanRows, falls: FirstFalls) -> Array:
-        """The rows of a body whose first fall is no higher than those next to them."""
-        own = own[np.isfinite(falls.high[own])]
-        for near in (rows.before, rows.after):  # what is clear without narrowing
-            low, high, beside = falls.low, falls.high, near[own]
-            clear = (low[own] >= high[beside]) & (low[beside] < high[own])
-            own = own[~clear | (beside == own)]
-        for near in (rows.before, rows.after):
-            own = own[falls.not_above(own, near[own])]
-        return own
+            return one.ends[0], math.inf
+        best = lowest[first[lowest].argmin()]
+        inner = lowest[~rows.at_an_end(lowest) | lower_inside[lowest]]
+        most = min(one.most or math.inf, WITHIN * float(first[best]))
+        minima = [self._minimum(one, rows.around(row), most) for row in inner.tolist()]
+        least, omega = min(minima, default=(math.inf, 0.0))
+        if least < first[best]:
+            return omega, least
+        return float(rows.omega[best]), float(first[best])
 
     def _minimum(
         self, one: FrequencyRange, around: tuple[float, float], most: float
@@ -311,27 +283,21 @@ class FrequencySearch:
         return found
 
     def _of_outcomes(
-        self,
-        one: FrequencyRange,
-        body: int,
-        own: Array,
-        falls: FirstFalls,
-        omega: float,
+        self, one: FrequencyRange, body: int, scan: Array, first: Array, omega: float
     ) -> float | None:
-        """Return the worst Omega of a body of which no amplitude above the demand is
-        the least that overturns it, at `omega`; own: its rows.
+        """Return the worst Omega of a body that no amplitude overturns, or whose least
+        overturning amplitude, at `omega`, is not above the demand. scan, first: Omega
+        of the scan and the first falls there, empty if the body is not lifted.
         """
         omegas = np.append(one.scan(), omega)
         turned, outcome = self._under(np.full(omegas.size, body), omegas)
         over = ~safe(outcome)
-        known = own.size > 0 and bool(np.isfinite(falls.high[own]).any())
+        known = bool(np.isfinite(first).any())
         if not known and not over.any():
             return _of_the_largest(turned, omegas)
         if not over[-1] and over.any():
             here = np.flatnonzero(over)
-            return float(
-                omegas[here[0]] if not known else falls.omega[falls.lowest(own[here])]
-            )
+            return float(omegas[here[first[here].argmin() if known else 0]])
         return omega
 
     def _under(self, body: Array, omega: Array) -> tuple[Array, Array]:
@@ -367,7 +333,12 @@ class FrequencySearch:
         frequencies of the scan; it overturns none of them at these frequencies.
         """
         rows = ScanRows.of(self.ranges, bodies)
-        firsts = self._falls_above(rows)
+        demand = self.amplitude[rows.body]
+        # Of the amplitudes between the demand and its reach, a ladder is tried.
+        firsts = lowest_falls(
+            self.march.of_rows(rows.body, rows.omega),
+            Climb(demand, _OUTCOME_REACH * demand, demand, _LADDER),
+        ).amplitude
         self.tell(_SCANNED)
         near = np.minimum(firsts[rows.before], firsts[rows.after])
         lowest = np.flatnonzero(np.isfinite(firsts) & (firsts <= near))
@@ -387,29 +358,6 @@ class FrequencySearch:
                 done.add(body)
                 yield body, omega
 
-    def _falls_above(self, rows: ScanRows) -> Array:
-        """The least amplitude from the demand to `_OUTCOME_REACH` times it that
-        overturns the body at each Omega, infinite without one; amplitudes `_LADDER`
-        apart are tried.
-        """
-        count = 1 + math.ceil(math.log(_OUTCOME_REACH) / math.log(_LADDER))
-        ladder = np.geomspace(1.0, _OUTCOME_REACH, count)
-        amplitude = self.amplitude[rows.body, None] * ladder
-        # Theorems exclude some of them.
-        safe_to = np.zeros(rows.body.size)
-        for body in np.unique(rows.body):
-            own = rows.of_body(int(body))
-            search = self.ranges[body].search(float(amplitude[own[0], -1]))
-            safe_to[own] = search.grid.amplitude(search.safe_points(rows.omega[own]))
-        at, rung = np.nonzero(amplitude > safe_to[:, None])
-        _, outcome, _ = self.march.response(
-            rows.body[at], amplitude[at, rung], rows.omega[at], peaks=False
-        )
-        first = np.full(rows.body.size, np.inf)
-        over = ~safe(outcome)
-        np.minimum.at(first, at[over], amplitude[at[over], rung[over]])
-        return first
-
     def _falls_inside(self, lowest: Array, rows: ScanRows) -> Array:
         """True for rows at an end of the range a little inside of which a lower
         amplitude overturns the body.
@@ -418,15 +366,15 @@ class FrequencySearch:
         found = np.zeros(lowest.size, dtype=bool)
         if not ends.size:
             return found
-        body = np.tile(rows.body[ends], 2)
-        omega = np.append(rows.omega[ends], rows.insides(ends))
-        falls = self._falls(body, omega, _OUTCOME_REACH * self.amplitude)
-        falls.climb(_OUTCOME_REACH * self.amplitude)
-        at = np.arange(ends.size)
-        no_lower = falls.not_above(at, at + ends.size) | np.isinf(
-            falls.high[at + ends.size]
+        first, inside = np.split(
+            self._first_falls(
+                np.tile(rows.body[ends], 2),
+                np.append(rows.omega[ends], rows.insides(ends)),
+                _OUTCOME_REACH * self.amplitude,
+            ),
+            2,
         )
-        found[rows.at_an_end(lowest)] = ~no_lower
+        found[rows.at_an_end(lowest)] = inside < first
         return found
 
 
@@ -435,3 +383,9 @@ def _of_the_largest(turned: Array, omegas: Array) -> float | None:
     lift at any.
     """
     return float(omegas[np.argmax(turned)]) if turned.any() else None
+
+
+def _minima(own: Array, rows: ScanRows, first: Array) -> Array:
+    """Those of these rows whose first fall is no higher than those next to them."""
+    near = np.minimum(first[rows.before[own]], first[rows.after[own]])
+    return own[np.isfinite(first[own]) & (first[own] <= near)]

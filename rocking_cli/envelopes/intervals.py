@@ -252,7 +252,7 @@ def _scan_of(
         Search(system, motion.scaled(f) if f < 0.0 else motion, structure.eta, a_max)
         for f in factors
     ]
-    lowest = min(search.lowest for search in searches)
+    lowest = min(search.uplift for search in searches)
     if not np.isfinite(a_max) or a_max <= lowest < np.inf:
         raise UsageError(
             f"a-max: found {a_max:g}; expected a finite amplitude above the uplift at A"
@@ -261,9 +261,9 @@ def _scan_of(
     if a_max > HIGHEST:
         raise UsageError(f"a-max: found {a_max:g}; expected up to {HIGHEST:g}")
     # A sign that lifts no body below a_max needs no search.
-    searches = [search for search in searches if search.lowest < a_max]
+    searches = [search for search in searches if search.uplift < a_max]
     amplitudes = frequencies * sum(
-        (a_max - search.lowest) / SCAN_STEP for search in searches
+        (a_max - search.uplift) / SCAN_STEP for search in searches
     )
     refuse_endless(amplitudes, len(motion.segments))
     return searches, amplitudes

@@ -121,7 +121,7 @@ def _scanned_first(
     )
     begins = label[np.searchsorted(row, rows)]
     return [
-        _steps(one.search.lowest, int(begin), found, i)
+        _steps(one.search.uplift, int(begin), found, i)
         for i, (one, begin) in enumerate(zip(asked, begins, strict=True))
     ]
 

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..dynamics.outcome import Outcome, falls
+from ..envelopes.together import Together
 from ..errors import UsageError
-from ..responses.together import Together
 from ..structures.draws import Draw, draws
 from ..structures.parameters import RockingParameters
 from .exposure import MotionSet, Progress

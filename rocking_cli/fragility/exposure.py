@@ -346,7 +346,7 @@ def _traced_together(
         omega = member.omega / structure.p
         asked.append(RecordSearch(structure, motions.method, search, omega))
     # Motions that do not lift the body up to the last level need no search.
-    lifting = [n for n, (*_, one, _) in enumerate(asked) if one.lowest < one.a_max]
+    lifting = [n for n, (*_, one, _) in enumerate(asked) if one.uplift < one.a_max]
     steps = steps_under_records(
         [asked[n] for n in lifting], lambda share: told(len(tasks) * share)
     )

@@ -20,8 +20,9 @@ import numpy as np
 from ..digits import digits_apart
 from ..documents.quantities import DEFAULT_GRAVITY
 from ..dynamics.method import governing_method
-from ..dynamics.outcome import safe
+from ..dynamics.outcome import Outcome
 from ..dynamics.response import response
+from ..envelopes.first_falls import Climb, lowest_falls
 from ..errors import UsageError
 from ..motions import Motion
 from ..motions.design_spectra import (
@@ -387,23 +388,14 @@ def first_beyond(
     low = system.least_uplift(motion)
     top = 10.0 * demand if most is None else structure.dimensionless_amplitude(most)
 
-    def beyond(amplitude: np.ndarray) -> np.ndarray:
+    def march(row: np.ndarray, amplitude: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         found = response(system, motion, amplitude, omega, structure.eta, how="floats")
         with np.errstate(invalid="ignore"):
-            return np.asarray(~safe(found.outcome) | (found.theta_ratio > share))
+            beyond = found.theta_ratio > share  # counts as a fall
+        found.outcome[beyond] = Outcome.OVERTURNED_AFTER_IMPACT
+        return found.outcome, found.impacts
 
-    ratio = 1.0 + _RATIO
-    while low < top:
-        amplitudes = np.minimum(low * ratio ** np.arange(_AT_ONCE + 1), top)
-        gone = np.flatnonzero(beyond(amplitudes))
-        if gone.size:
-            high = float(amplitudes[gone[0]])
-            low = float(amplitudes[max(0, gone[0] - 1)])
-            while high - low > _EXACT * high:
-                middle = 0.5 * (low + high)
-                low, high = (
-                    (low, middle) if beyond(np.array([middle]))[0] else (middle, high)
-                )
-            return float(structure.ground_acceleration(high))
-        low = float(amplitudes[-1])
-    return None
+    climb = Climb(np.array([low]), np.array([top]), np.array([low]), _RATIO)
+    found = lowest_falls(march, climb, _EXACT, stretch=_AT_ONCE)
+    first = float(found.amplitude[0])
+    return float(structure.ground_acceleration(first)) if math.isfinite(first) else None

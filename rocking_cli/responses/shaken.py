@@ -7,15 +7,12 @@ import numpy as np
 from ..dynamics.method import Method, governing_method
 from ..dynamics.outcome import Outcome, safe
 from ..dynamics.response import Response, response
-from ..envelopes.capacity import Capacity, CapacitySearch
+from ..envelopes.capacity import SHIFTS, Capacity, CapacitySearch
 from ..errors import UsageError
 from ..motions import Motion
 from ..motions.grid import Grid
 from ..structures.parameters import RockingParameters
 
-SHIFTS = np.array(
-    [0.0, *(sign * 10.0**-n for n in (12, 9, 6) for sign in (-1.0, 1.0))]
-)  # relative changes of a demand
 _SAME = 0.01  # of theta/alpha: rotations under them that differ by less are one
 
 

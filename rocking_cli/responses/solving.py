@@ -20,6 +20,7 @@ from ..dynamics.outcome import Outcome
 from ..envelopes.amplitudes import Limit
 from ..envelopes.capacity import falls_may_be_narrow
 from ..envelopes.intervals import A_MAX
+from ..envelopes.withstanding import withstand
 from ..envelopes.worst import at_worst_frequency
 from ..errors import UsageError
 from ..motions import Motion
@@ -32,8 +33,8 @@ from ..structures.friction import friction_that_slides, refuse_range, sliders
 from ..structures.given import document_from
 from ..structures.parameters import RockingParameters
 from .check import Demand, Standing, standings
+from .shaken import capacity_search
 from .verdict import KNOWN
-from .withstanding import withstand
 
 _DIGITS = (
     6  # significant digits of a boundary, which is rounded to the side that stands
@@ -393,7 +394,11 @@ class _BoundarySearch:
                 friction_that_slides(structure) is None for structure, _, _ in demands
             )
         }
-        every = [demand for demands in asked.values() for demand in demands]
+        every = [
+            capacity_search(*demand, 0.0)
+            for demands in asked.values()
+            for demand in demands
+        ]
         found = iter(withstand(every, self.margin, scanned=scanned))
         stands = {
             value: self._stands_under(value, list(islice(found, len(demands))))

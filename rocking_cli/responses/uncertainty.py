@@ -13,6 +13,7 @@ from ..dynamics.method import governing_method
 from ..dynamics.outcome import Outcome
 from ..dynamics.response import LONG
 from ..envelopes.intervals import A_MAX
+from ..envelopes.together import Together, fallen, first_overturning_of, outcomes_at
 from ..errors import UsageError
 from ..motions.given import AnyMotion, demand_of
 from ..motions.grid import Grid
@@ -22,7 +23,6 @@ from ..structures.draws import DRAWS, draws
 from ..structures.given import Structure, structure_from
 from ..structures.parameters import RockingParameters
 from .shares import ShareOfDraws, first_order_indices
-from .together import Together, fallen, first_overturning_of, outcomes_at
 
 Array = np.ndarray
 

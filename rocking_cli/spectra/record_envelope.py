@@ -14,9 +14,11 @@ from typing import Any
 import numpy as np
 
 from ..dynamics.method import Method, governing_method
+from ..dynamics.outcome import Outcome
 from ..envelopes.amplitudes import Limit, limit_of
 from ..envelopes.boundaries import Search, Steps
 from ..envelopes.capacity import RATIO, tracing_width
+from ..envelopes.first_falls import Climb, lowest_falls
 from ..envelopes.intervals import (
     A_MAX,
     BOTH,
@@ -44,6 +46,7 @@ Array = np.ndarray
 # parts of a bracket in one cut: there are few brackets, and a batch costs the same for
 # any size
 _PARTS = 128
+_STRETCH = 80  # amplitudes computed together in a search for the first fall
 _SMALL = 20_000  # cells below which starting processes takes longer than they save
 
 
@@ -124,9 +127,9 @@ class Tracing:
                 digits=digits,
                 parts=_PARTS,
             )
-            if search.lowest < most:
+            if search.uplift < most:
                 rows = (
-                    search.first_falls(omegas)
+                    _first_falls(search, omegas)
                     if self.first
                     else steps_under_records(
                         [
@@ -140,6 +143,20 @@ class Tracing:
                     for known, steps in zip(found, rows, strict=True)
                 ]
         return found
+
+
+def _first_falls(search: Search, omegas: Array) -> list[Steps]:
+    """The outcome at the lowest amplitude and at the first fall at each Omega."""
+    uplift, most = (np.full(omegas.size, x) for x in (search.uplift, search.a_max))
+    found = lowest_falls(
+        lambda row, amplitude: search.respond(amplitude, omegas[row]),
+        Climb(uplift, most, uplift, search.ratio),
+        search.digits,
+        stretch=_STRETCH,
+    )
+    rows = zip(found.amplitude.tolist(), found.outcome.tolist(), strict=True)
+    begin = search.uplift, int(Outcome.ROCKED)
+    return [[begin, fall] if math.isfinite(fall[0]) else [begin] for fall in rows]
 
 
 def tracing_rows(

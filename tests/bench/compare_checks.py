@@ -3,14 +3,17 @@ and which capacities differ, and in which digit.
 
 `PYTHONPATH=tests python tests/bench/compare_checks.py --base DIR` takes turns with the
 package in DIR. The bodies are blocks, rigid bodies with unequal sides, frames,
-one-sided walls, spires, arches, tied walls and blocks that slide; the motions are two
-records, the record of `configs/motions` and pulses, some over a range of frequencies.
+one-sided walls, damped walls, spires, arches, tied walls and blocks that slide; the
+motions are two records, the record of `configs/motions` and pulses, some of several
+cycles, with a vertical component, in both directions, or over a range of frequencies.
 `--cases` is their number, `--seed` the first of them, `--only` a pattern that the call
 must contain, such as `f-g [0-9.]+:` or `--motion`; `--kept FILE` is a file for the
 answers of the base, which a second comparison then reads.
 """
 
 import argparse
+import contextlib
+import io
 import json
 import math
 import os
@@ -20,6 +23,7 @@ import subprocess
 import sys
 import tempfile
 from collections import Counter
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -27,12 +31,21 @@ import numpy as np
 from support.synthetic_records import at2_file, far_shock, near_shock
 
 HERE = Path(__file__).resolve().parents[2]
-NUMBERS = ("first_overturning_a", "safe_to", "uplift_a", "theta_ratio", "worst_f_g")
+NUMBERS = (
+    "first_overturning_a",
+    "safe_to",
+    "uplift_a",
+    "theta_ratio",
+    "worst_f_g",
+    "falls_nearby",
+)
 WORDS = ("outcome", "outcome_linear", "worst_f_g_end")
 # part of the lines on standard error that carries a verdict
 OPPOSITE = "the opposite direction"
 SAME = 15  # digits of equal numbers
 PULSES = ("sine", "cosine", "ricker-symmetric", "half-sine")
+# answers each line of standard input, a document and the words of a call
+SERVER = "import compare_checks; compare_checks.serve()"
 
 
 class Case(NamedTuple):
@@ -66,6 +79,9 @@ def body_of(kind: str, draw: np.random.Generator) -> tuple[str, float]:
             f"kind: frame\ncolumns: 4\nwidth: {width:.4f}\nheight: {height:.4f}\n"
             f"cap_ratio: {cap:.4f}\n"
         ), slender
+    if kind == "damped":
+        zeta = draw.uniform(0.005, 0.05)
+        return f"{facade}one_sided: true\ndamping: {zeta:.4f}\n", slender
     if kind == "one-sided":
         return f"{facade}one_sided: true\n", slender
     if kind == "spire":
@@ -93,11 +109,32 @@ KINDS = (
     "rigid",
     "frame",
     "one-sided",
+    "damped",
     "spire",
     "arch",
     "tied",
     "slider",
 )
+
+
+def pulse_of(
+    kind: str, a_g: str, frequency: float, draw: np.random.Generator
+) -> tuple[str, ...]:
+    """Return the words of a random pulse."""
+    name = PULSES[draw.integers(len(PULSES))]
+    ranged = draw.uniform() < 0.4 and kind != "slider"
+    last = f":{frequency * draw.uniform(1.2, 3.0):.3f}" if ranged else ""
+    words = ["--a-g", a_g, "--f-g", f"{frequency:.3f}{last}", "--pulse", name]
+    if draw.uniform() < (0.5 if ranged else 0.1):
+        words.append("--verdict-only")
+    if name in ("sine", "cosine") and draw.uniform() < 0.3:
+        words += ["--cycles", str(draw.integers(2, 5))]
+    if draw.uniform() < 0.15 and kind not in ("arch", "slider", "tied"):
+        factor = f"{draw.uniform(0.2, 0.7):.3f}"
+        words += ["--vertical", "sine", "--vertical-scale", factor]
+    if draw.uniform() < 0.3:
+        words += ["--sign", "both"]
+    return tuple(words)
 
 
 def cases(count: int, seed: int) -> list[Case]:
@@ -115,33 +152,63 @@ def cases(count: int, seed: int) -> list[Case]:
             record = records[draw.integers(len(records))]
             shaking = ("--motion", record, "--scale-to", f"PGA={a_g}")
         else:
-            name = PULSES[draw.integers(len(PULSES))]
-            ranged = draw.uniform() < 0.4 and kind != "slider"
-            last = f":{frequency * draw.uniform(1.2, 3.0):.3f}" if ranged else ""
-            shaking = ("--a-g", a_g, "--f-g", f"{frequency:.3f}{last}", "--pulse", name)
-            if ranged and draw.uniform() < 0.5:
-                shaking = (*shaking, "--verdict-only")
+            shaking = pulse_of(kind, a_g, frequency, draw)
         found.append(Case(document, shaking))
     return found
 
 
-def answer(package: Path, case: Case, folder: Path) -> dict[str, Any]:
-    """Return the row of a case by the package that lies in a folder, or its error."""
-    done = subprocess.run(
-        [sys.executable, "-m", "rocking_cli", "check", "-", *case.words, "--json"],
-        check=False,
-        capture_output=True,
+def serve() -> None:
+    """Answer each line of standard input, (a document, the words of a call), by a line
+    of the exit code, standard output and standard error.
+    """
+    from rocking_cli.commands import main as rocking
+
+    lines, replies = sys.stdin, sys.stdout
+    for line in lines:
+        document, words = json.loads(line)
+        sys.argv = ["rocking", "check", "-", *words, "--json"]
+        sys.stdin = io.TextIOWrapper(io.BytesIO(document.encode()))
+        out, err, code = io.StringIO(), io.StringIO(), 0
+        with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
+            try:
+                rocking()
+            except SystemExit as end:
+                code = end.code if isinstance(end.code, int) else 0
+        print(json.dumps([code, out.getvalue(), err.getvalue()]), file=replies)
+        replies.flush()
+
+
+@contextlib.contextmanager
+def answers(package: Path, folder: Path) -> Iterator[Callable[[Case], dict[str, Any]]]:
+    """Yield a function that returns the row of a case by the package that lies in a
+    folder, or its error.
+    """
+    path = os.pathsep.join(map(str, (package, HERE / "tests/bench", HERE / "tests")))
+    with subprocess.Popen(
+        [sys.executable, "-c", SERVER],
         cwd=folder,
-        env={**os.environ, "PYTHONPATH": str(package)},
-        input=case.document,
+        env={**os.environ, "PYTHONPATH": path},
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
         text=True,
-    )
-    if done.returncode:
-        return {"error": done.stderr.strip().splitlines()[-1:]}
-    row = json.loads(done.stdout.splitlines()[0])
-    found = {key: row[key] for key in (*NUMBERS, *WORDS) if key in row}
-    lines = done.stderr.splitlines()
-    return {**found, "opposite": [line for line in lines if OPPOSITE in line]}
+    ) as server:
+        assert server.stdin is not None
+        assert server.stdout is not None
+
+        def answer(case: Case) -> dict[str, Any]:
+            print(
+                json.dumps([case.document, case.words]), file=server.stdin, flush=True
+            )
+            code, out, err = json.loads(server.stdout.readline())
+            lines = err.strip().splitlines()
+            if code:
+                return {"error": lines[-1:]}
+            row = json.loads(out.splitlines()[0])
+            found = {key: row[key] for key in (*NUMBERS, *WORDS) if key in row}
+            return {**found, "opposite": [line for line in lines if OPPOSITE in line]}
+
+        yield answer
+        server.stdin.close()
 
 
 def equal_digits(one: float | None, other: float | None) -> int:
@@ -167,20 +234,24 @@ def main() -> None:
         kept = json.loads(chosen.kept.read_text())
     counts: dict[str, Counter[int]] = {key: Counter() for key in NUMBERS}
     words, lower, higher, done = Counter[str](), 0, 0, 0
-    with tempfile.TemporaryDirectory() as name:
-        folder = Path(name)
+    with contextlib.ExitStack() as opened:
+        folder = Path(opened.enter_context(tempfile.TemporaryDirectory()))
         at2_file(folder / "far.at2", *far_shock())
         at2_file(folder / "near.at2", *near_shock())
         shutil.copy(HERE / "configs/motions/synthetic.at2", folder)
+        by_base, by_this = (
+            opened.enter_context(answers(package, folder))
+            for package in (chosen.base.resolve(), HERE)
+        )
         for number, case in enumerate(cases(chosen.cases, chosen.seed), chosen.seed):
             if not re.search(chosen.only, f"{case.document} {' '.join(case.words)}"):
                 continue
             key = json.dumps([case.document, *case.words])
             if key not in kept:
-                kept[key] = answer(chosen.base.resolve(), case, folder)
+                kept[key] = by_base(case)
                 if chosen.kept is not None:
                     chosen.kept.write_text(json.dumps(kept))
-            base, here = kept[key], answer(HERE, case, folder)
+            base, here = kept[key], by_this(case)
             done += 1
             if "error" in base or "error" in here:
                 words["error"] += ("error" in base) != ("error" in here)

@@ -6,9 +6,10 @@ import pytest
 
 from rocking_cli import Outcome, load_structures, parse_grid, sine
 from rocking_cli.envelopes.amplitudes import Limit
+from rocking_cli.envelopes.withstanding import withstand
 from rocking_cli.errors import UsageError
 from rocking_cli.responses.check import Standing, standings
-from rocking_cli.responses.withstanding import withstand
+from rocking_cli.responses.shaken import capacity_search
 
 SHAKING = ("--a-g", "0.4g", "--f-g", "1")
 
@@ -62,7 +63,8 @@ def judged(monkeypatch):
             ]
             return [Standing(Outcome.ROCKED, c) for c in found]
 
-        def withstand(demands, margin, **_):
+        def withstand(searches, margin, **_):
+            demands = [(one.structure,) for one in searches]
             return [one.capacity_demand >= margin for one in standings(demands)]
 
         solving = "rocking_cli.responses.solving"
@@ -343,6 +345,7 @@ def test_what_stands_up_to_the_margin_is_what_has_the_capacity():
     reach = Limit(8.0, acceleration=True)  # twice the demand, about
     capacities = [one.capacity_demand for one in standings(demands, a_max=reach)]
     for margin in (0.7, 1.0, 1.4):
-        assert withstand(demands, margin) == [
+        searches = [capacity_search(*demand, 0.0) for demand in demands]
+        assert withstand(searches, margin) == [
             c is None or c >= margin for c in capacities
         ]

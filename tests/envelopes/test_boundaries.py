@@ -200,7 +200,7 @@ def test_a_narrow_interval_under_several_cycles_is_found():
     """Overturning from 3.029878 to 3.030776 lies between two amplitudes of the scan,
     with equal outcomes.
     """
-    (row,) = Search(System(LinearEquation()), sine(5), 0.9, a_max=3.1, a_min=3.0).rows(
+    (row,) = Search(System(LinearEquation()), sine(5), 0.9, a_max=3.1).rows(
         np.array([3.0])
     )
     below, above = (

@@ -15,8 +15,7 @@ from rocking_cli import (
     parse_grid,
     pulse,
 )
-from rocking_cli.envelopes.first_falls import FirstFalls
-from rocking_cli.envelopes.frequency_search import FrequencySearch, ScanRows
+from rocking_cli.envelopes.frequency_search import ScanRows, _minima
 from rocking_cli.envelopes.intervals import trace_envelope
 from rocking_cli.envelopes.worst import at_worst_frequency
 
@@ -70,9 +69,7 @@ def test_equal_first_falls_are_all_minima_of_the_scan():
     """As of a body that every frequency overturns at the amplitude of its uplift."""
     before, after = np.array([0, 0, 1]), np.array([1, 2, 2])
     rows = ScanRows(np.zeros(3, dtype=int), np.array([1.0, 2.0, 3.0]), before, after)
-    falls = FirstFalls(None, {}, rows.body, rows.omega, np.array([1e-9]))
-    falls.low[:] = falls.high[:] = 1.2
-    group = object.__new__(FrequencySearch)
-    assert group._minima_of_scan(np.arange(3), rows, falls).tolist() == [0, 1, 2]
-    falls.low[1] = falls.high[1] = 1.1
-    assert group._minima_of_scan(np.arange(3), rows, falls).tolist() == [1]
+    first = np.array([1.2, 1.2, 1.2])
+    assert _minima(np.arange(3), rows, first).tolist() == [0, 1, 2]
+    first[1] = 1.1
+    assert _minima(np.arange(3), rows, first).tolist() == [1]

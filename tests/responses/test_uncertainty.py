@@ -11,14 +11,14 @@ import pytest
 import rocking_cli as rk
 from rocking_cli.dynamics.method import governing_method
 from rocking_cli.dynamics.outcome import safe
-from rocking_cli.motions.biaxial import with_vertical
-from rocking_cli.motions.given import demand_of
-from rocking_cli.responses.shares import ShareOfDraws, first_order_indices
-from rocking_cli.responses.together import (
+from rocking_cli.envelopes.together import (
     Together,
     first_overturning_of,
     outcomes_at,
 )
+from rocking_cli.motions.biaxial import with_vertical
+from rocking_cli.motions.given import demand_of
+from rocking_cli.responses.shares import ShareOfDraws, first_order_indices
 from rocking_cli.structures.draws import draws, sobol
 
 

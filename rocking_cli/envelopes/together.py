@@ -11,19 +11,17 @@ import numpy as np
 from ..dynamics.method import Method, governing_method
 from ..dynamics.outcome import Outcome, safe
 from ..dynamics.shared_march import SharedMarch
-from ..envelopes.capacity import falls_may_be_narrow
 from ..motions.grid import Grid
 from ..motions.motion import Motion
 from ..structures.friction import friction_that_slides
 from ..structures.parameters import RockingParameters
+from .capacity import falls_may_be_narrow
+from .first_falls import Climb, lowest_falls
 
 Array = np.ndarray
 
-STEP = 0.01  # ratio of neighbouring amplitudes of the search, minus 1
+_RATIO = 0.01  # ratio of neighbouring amplitudes of the search, minus 1
 _DIGITS = 1e-6  # relative width of a traced first overturning amplitude
-# neighbouring amplitudes of each body that are computed together, at least and at most,
-# and cells of a group that are
-_FEWEST, _MOST, _CELLS = 24, 400, 25_000
 
 
 def outcomes_at(
@@ -59,10 +57,9 @@ def first_overturning_of(
 ) -> Array:
     """Return the lowest amplitude that overturns each structure.
 
-    All structures go up the same ladder of amplitudes, 1 % apart; a structure leaves it
-    at its first overturning, whose bracket is then halved. Where overturning intervals
-    may be narrow, as under a record, the bracket may hold several of them, and its
-    lower end is returned. Intervals narrower than a step may be missed.
+    The amplitudes of the search are 1 % apart: narrower intervals may be missed. Where
+    overturning intervals may be narrow, as under a record, there may be several of them
+    between two amplitudes, and the lower one is returned.
 
     Parameters
     ----------
@@ -83,7 +80,7 @@ def first_overturning_of(
     method = governing_method(*structures, dimensionless=shaking.dimensionless)
     omega = np.array([shaking.cell(s)[1] for s in structures])
     together = Together(method, motion, structures, omega)
-    first = together.lowest_falls(together.least_uplifts(), np.asarray(a_max, float))
+    first = together.lowest_falls(np.asarray(a_max, float))
     unit = np.array([float(s.ground_acceleration(1.0)) for s in structures])
     return first * unit
 
@@ -152,41 +149,16 @@ class Together:
             ratios = structure.gravity / structure.ground_acceleration(amplitude)
         return [base.under(ratio).outcome for ratio in ratios.tolist()]
 
-    def lowest_falls(self, lowest: Array, highest: Array) -> Array:
-        """Return the lowest amplitude A that overturns each structure between two
-        amplitudes, as `first_overturning_of`; infinite without one.
+    def lowest_falls(self, highest: Array) -> Array:
+        """Return the lowest amplitude A that overturns each structure up to an
+        amplitude, as `first_overturning_of`; infinite without one.
         """
-        first = np.full(lowest.size, np.inf)
-        stands = lowest.copy()  # largest amplitude up to which no rung overturns
-        climbing = np.flatnonzero(np.isfinite(lowest) & (lowest < highest))
-        while climbing.size:
-            largest = int(np.bincount(self.march.group[climbing]).max())
-            window = int(np.clip(_CELLS // largest, _FEWEST, _MOST))
-            rungs = stands[climbing, None] * (1.0 + STEP) ** np.arange(1, window + 1)
-            rungs = np.minimum(rungs, highest[climbing, None])
-            codes = self.outcomes(np.repeat(climbing, window), rungs.ravel())
-            falls = fallen(codes).reshape(rungs.shape)
-            hit = falls.any(axis=1)
-            at = np.argmax(falls, axis=1)
-            for i, j in zip(np.flatnonzero(hit), at[hit], strict=True):
-                first[climbing[i]] = rungs[i, j]
-                if j:
-                    stands[climbing[i]] = rungs[i, j - 1]
-            stands[climbing[~hit]] = rungs[~hit, -1]
-            climbing = climbing[~hit & (rungs[:, -1] < highest[climbing])]
-
+        lowest = self.least_uplifts()
+        march = self.march.of_rows(np.arange(lowest.size), self.omega)
+        climb = Climb(lowest, highest, lowest, _RATIO)
         if falls_may_be_narrow(self.motion):
-            return np.where(np.isfinite(first), stands, first)
-        # Each bracket is halved, all of them together.
-        open_ones = np.flatnonzero(np.isfinite(first))
-        while open_ones.size:
-            middle = 0.5 * (stands[open_ones] + first[open_ones])
-            falls = fallen(self.outcomes(open_ones, middle))
-            first[open_ones[falls]] = middle[falls]
-            stands[open_ones[~falls]] = middle[~falls]
-            wide = first[open_ones] - stands[open_ones] > _DIGITS * first[open_ones]
-            open_ones = open_ones[wide]
-        return first
+            return lowest_falls(march, climb).stands
+        return lowest_falls(march, climb, _DIGITS).amplitude
 
 
 def fallen(outcome: Array) -> Array:
