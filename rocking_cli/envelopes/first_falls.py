@@ -24,10 +24,13 @@ Array = np.ndarray
 # impacts)
 March = Callable[[Array, Array], tuple[Array, Array]]
 
-_CELLS = 40_000  # cells of a climb that are computed together, about
-# amplitudes of a row that are computed together, at least and at most
-_FEWEST, _MOST = 24, 2000
-_PARTS = 32  # parts of a bracket in one cut
+# cells of a climb that are computed together: in its first stretch, and at most; each
+# stretch has twice as many as the one before
+_FIRST, _CELLS = 2000, 40_000
+_FEWEST = 24  # amplitudes of a row that are computed together, at least
+# parts of a bracket in one cut, of many brackets and of few: a few hundred cells take
+# as long as a dozen
+_LEAST, _PARTS, _CUT = 16, 256, 4096
 # distances of the first amplitudes from uplift [-]; the last step is SCAN_STEP long
 _OFFSETS = SCAN_STEP * np.append(0.0, np.geomspace(1.0, 100.0, 460))
 WITHIN = 1.2  # falls of a rival that matter, over the lowest one
@@ -105,12 +108,13 @@ def lowest_falls(
         return ScanPoints(*(x.reshape(row.shape) for x in points))
 
     high, place, going = climb.high.copy(), 0, np.flatnonzero(climb.low <= climb.high)
-    brackets: list[Brackets] = []
+    room, brackets = _FIRST, list[Brackets]()
     before = ScanPoints(*(np.zeros((going.size, 0), dtype=t) for t in "lfBl"))
     while going.size:
         # A stretch of amplitudes of every row, after the last ones of the stretch
         # before, next to which these may be changes.
-        count = stretch or int(np.clip(_CELLS // going.size, _FEWEST, _MOST))
+        count = stretch or max(_FEWEST, room // going.size)
+        room = min(2 * room, _CELLS)
         amplitude = climb.amplitude(going[:, None], place + np.arange(count))
         place += count
         row = np.broadcast_to(going[:, None], amplitude.shape)
@@ -141,11 +145,12 @@ def lowest_falls(
     outcome = np.full(high.size, Outcome.ROCKED, dtype=np.uint8)
     if brackets:
         found = Brackets.joined(brackets)
+        found = found.take(np.flatnonzero(found.high <= high[found.row]))
         found = narrowed(
             lambda amplitude, row: compute(row, amplitude).label,
-            found.take(np.flatnonzero(found.high <= high[found.row])),
+            found,
             digits,
-            _PARTS,
+            int(np.clip(_CUT // max(1, found.row.size), _LEAST, _PARTS)),
             lowest=True,
         )
         falls[found.row], stands[found.row] = found.high, found.low

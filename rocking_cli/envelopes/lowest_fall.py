@@ -16,6 +16,7 @@ from ..dynamics.response import cheaper, response
 from ..dynamics.system import System
 from ..motions import Motion
 from .amplitudes import COARSE, LONGEST_FINE
+from .changes import Brackets, narrowed
 
 if TYPE_CHECKING:
     from .scan import Scan
@@ -233,14 +234,15 @@ class FallSearch:
         """The boundary between `low`, at which the body stands, and `high`, at which it
         falls, to the relative width `digits`.
         """
-        parts = _TOGETHER if self.by_march else 2
-        share = np.arange(1.0, parts)
-        while high - low > self.digits * high and low < 0.5 * (low + high) < high:
-            between = ((parts - share) * low + share * high) / parts
-            ends = [low, *between.tolist(), high]
-            first = int(np.argmax(np.append(self.falls(between), True)))
-            low, high = ends[first], ends[first + 1]
-        return high
+        bracket = Brackets(*(np.array([x]) for x in (0, low, high, False, True)))
+        found = narrowed(
+            lambda amplitude, row: self.falls(amplitude.ravel())[None],
+            bracket,
+            self.digits,
+            _TOGETHER if self.by_march else 2,
+            lowest=True,
+        )
+        return float(found.high[0])
 
     def share_of_falls(self, first: float) -> float:
         """The share of overturning amplitudes, 0 to 1, from the first to 5 % above it,

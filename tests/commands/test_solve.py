@@ -64,7 +64,7 @@ def judged(monkeypatch):
             return [Standing(Outcome.ROCKED, c) for c in found]
 
         def withstand(searches, margin, **_):
-            demands = [(one.structure,) for one in searches]
+            demands = [(one.structure, one.motion, None) for one in searches]
             return [one.capacity_demand >= margin for one in standings(demands)]
 
         solving = "rocking_cli.responses.solving"
