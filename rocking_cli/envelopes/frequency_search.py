@@ -31,6 +31,7 @@ _FINE = 1e-6  # relative width to which the frequency of a minimum is found
 # times the demand: the search for falls between the frequencies of an outcome scan
 _OUTCOME_REACH = 1.5
 _LADDER = 2e-3  # ratio of the amplitudes of this search, minus 1
+_RUNGS = 250  # amplitudes that are computed together: all of them
 _SCANNED = 0.6  # about the share of the scan of a search
 _HALF = 12  # searches around minima after which half of the rest is taken as done
 
@@ -338,6 +339,7 @@ class FrequencySearch:
         firsts = lowest_falls(
             self.march.of_rows(rows.body, rows.omega),
             Climb(demand, _OUTCOME_REACH * demand, demand, _LADDER),
+            stretch=_RUNGS,
         ).amplitude
         self.tell(_SCANNED)
         near = np.minimum(firsts[rows.before], firsts[rows.after])
