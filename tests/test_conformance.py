@@ -48,8 +48,8 @@ from rocking_cli.responses.check import verdicts
 from rocking_cli.structures.family import Variation
 
 TOLERANCE = 1e-8  # of theta/alpha: 1e-9 times the condition of a cell that stands
-# Other motions outside the soak: a record by the exact flow, by Taylor steps and with
-# damping, a sum of sinusoids, jumps, and a varying weight.
+# Other motions outside the soak: a record by each equation and with damping, a sum of
+# sinusoids, jumps, and a varying weight.
 ALSO = {
     "short record": ("symmetric", "parameters", "unequal edges", "damped"),
     "ricker": ("parameters",),

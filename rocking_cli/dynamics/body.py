@@ -19,6 +19,8 @@ and the speed bounds Fz from below. `observers.contact_loss` follows the bodies 
 which this bound does not prove Fz > 0.
 """
 
+import math
+from collections.abc import Sequence
 from functools import lru_cache
 from typing import Any, NamedTuple
 
@@ -63,19 +65,41 @@ def ground_reaction(
 
 
 class Body(NamedTuple):
-    """A rigid body. Tuples hold one value for each edge, right and left, or a single
-    value if the edges are alike. A push [g] is a_scale times the ground acceleration
-    over g, outward if it lifts the body on its edge. Under a push the linear equation
-    and Fz are those of a_scale 1.
+    """A rigid body, or the body of each cell. Tuples hold one value for each edge,
+    right and left, or a single value if the edges are alike; a value is a float, or an
+    array (cells,). A push [g] is a_scale times the ground acceleration over g, outward
+    if it lifts the body on its edge. Under a push the linear equation and Fz are those
+    of a_scale 1.
     """
 
-    alpha: tuple[float, ...]  # critical angle [rad], (edges,)
-    kappa: tuple[float, ...]  # m R^2/I [-], (edges,)
+    alpha: tuple[Any, ...]  # critical angle [rad], (edges,)
+    kappa: tuple[Any, ...]  # m R^2/I [-], (edges,)
     linear: bool  # True for the linear equation
     damping: float = 0.0  # zeta [-]
     one_sided: bool = False  # True if the body stands on its right edge only
     # push over ground acceleration [-], (edges,); empty for 1
-    a_scale: tuple[float, ...] = ()
+    a_scale: tuple[Any, ...] = ()
+
+    @classmethod
+    def of_cells(cls, bodies: Sequence["Body"], counts: Sequence[int]) -> "Body":
+        """Return the body of each cell, for so many cells of each of these bodies."""
+        alpha, kappa, a_scale = (
+            tuple(np.repeat(edge, counts) for edge in zip(*values, strict=True))
+            for values in zip(
+                *((one.alpha, one.kappa, one.a_scale) for one in bodies), strict=True
+            )
+        )
+        return bodies[0]._replace(alpha=alpha, kappa=kappa, a_scale=a_scale)
+
+    def of(self, cells: Array) -> "Body":
+        """Return the body of these cells."""
+        if isinstance(self.alpha[0], float):
+            return self
+        return self._replace(
+            alpha=tuple(x[cells] for x in self.alpha),
+            kappa=tuple(x[cells] for x in self.kappa),
+            a_scale=tuple(x[cells] for x in self.a_scale),
+        )
 
     @property
     def alike(self) -> bool:
@@ -87,24 +111,26 @@ class Body(NamedTuple):
     @property
     def edges(self) -> tuple[Edge, ...]:
         """The `Edge` of each edge of the base, right first."""
-        pairs = zip(self.alpha, self.kappa, strict=True)
-        return tuple(
-            Edge(
-                a, k, *((a, a) if self.linear else (float(np.sin(a)), float(np.tan(a))))
-            )
-            for a, k in pairs
-        )
+        return tuple(map(self._edge, self.alpha, self.kappa))
 
-    def on(self, side: Array) -> Edge:
-        """The numbers of the edges of these sides, +1 right and -1 left."""
-        if self.alike:
+    def _edge(self, alpha: Any, kappa: Any) -> Edge:
+        if self.linear:
+            return Edge(alpha, kappa, alpha, alpha)
+        functions = math if isinstance(alpha, float) else np
+        return Edge(alpha, kappa, functions.sin(alpha), functions.tan(alpha))
+
+    def on(self, side: Array, cell: Array) -> Edge:
+        """The numbers of the edges of lanes that are on these sides, +1 right and -1
+        left; cell: the cells of the lanes.
+        """
+        if self.alike and isinstance(self.alpha[0], float):
             return self.edges[0]
-        return Edge(
-            *(
-                np.where(side > 0.0, right, left)
-                for right, left in zip(*self.edges, strict=True)
-            )
-        )
+
+        def there(pair: tuple[Any, ...]) -> Any:
+            own = [x if isinstance(x, float) else x[cell] for x in pair]
+            return own[0] if len(own) == 1 else np.where(side > 0.0, *own)
+
+        return self._edge(there(self.alpha), there(self.kappa))
 
     def pull(self, edge: Edge) -> Any:
         """-u'' just above the ground under the weight m g alone, without a push."""
@@ -227,17 +253,40 @@ class Body(NamedTuple):
         return light * (1.0 - edge.kappa * sin * sin) - edge.kappa * push * sin * cos
 
 
-@lru_cache(maxsize=4096)
-def safe_acceleration(body: Body, edge: int, ratio: float) -> float:
+def safe_acceleration(body: Body, edge: int, ratio: float) -> Any:
     """Return the largest ground acceleration [g], times a_scale, of either sign, under
-    which a body that does not overturn is proved to keep contact (Fz > 0). edge: 0
-    right, 1 left; ratio: the largest |w - 1| over this acceleration, w the weight over
-    m g.
+    which a body that does not overturn is proved to keep contact (Fz > 0), a float or
+    (cells,). edge: 0 right, 1 left; ratio: the largest |w - 1| over this acceleration,
+    w the weight over m g.
     """
-    sway = ratio * _ACCELERATIONS
-    with np.errstate(all="ignore"):
-        # Without overturning u stays below the equilibrium.
-        slope = np.where(sway < 1.0, _ACCELERATIONS / (1.0 - sway), np.inf)
-        turn = body.alpha[edge] + (slope if body.linear else np.arctan(slope))
-        kept = body.contact_proved(body.edges[edge], _ACCELERATIONS, turn, sway)
-    return float(np.append(0.0, _ACCELERATIONS)[int(np.argmin(np.append(kept, False)))])
+    alpha, kappa = body.alpha[edge], body.kappa[edge]
+    if isinstance(alpha, float):
+        return _safe_acceleration(body, edge, ratio)
+    pairs, which = np.unique(np.array([alpha, kappa]), axis=1, return_inverse=True)
+    return _safe(body, body._edge(*pairs), ratio)[which.ravel()]
+
+
+@lru_cache(maxsize=4096)
+def _safe_acceleration(body: Body, edge: int, ratio: float) -> float:
+    return float(_safe(body, body.edges[edge], ratio)[0])
+
+
+def _safe(body: Body, edge: Edge, ratio: float) -> Array:
+    """The largest of `_ACCELERATIONS` for which contact is proved on these edges, 0 if
+    there is none, (edges,). A proof holds for all smaller ones too, so the range is
+    halved.
+    """
+    low = np.full(np.size(edge.alpha), -1)
+    high = np.full(low.shape, _ACCELERATIONS.size)
+    for _ in range(_ACCELERATIONS.size.bit_length()):
+        middle = np.maximum((low + high) // 2, 0)
+        push = _ACCELERATIONS[middle]
+        sway = ratio * push
+        with np.errstate(all="ignore"):
+            # Without overturning u stays below the equilibrium.
+            slope = np.where(sway < 1.0, push / (1.0 - sway), np.inf)
+            turn = edge.alpha + (slope if body.linear else np.arctan(slope))
+            kept = body.contact_proved(edge, push, turn, sway)
+        low, high = np.where(kept, middle, low), np.where(kept, high, middle)
+    found: Array = np.where(low < 0, 0.0, _ACCELERATIONS[np.maximum(low, 0)])
+    return found

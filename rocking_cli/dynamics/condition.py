@@ -1,8 +1,10 @@
 """The condition of a cell: by how much its largest rotation takes over the errors of
 the march. The march carries it along.
 
-Let every unit of tau add independent errors of one unit to y and to y'. They move with
-the body. The march carries their second moments M = [yy, yv; yv, vv]:
+Every step adds an independent error to y and to y', which the last terms of its series
+bound. The errors move with the body. The march on arrays carries their second moments
+M = [yy, yv; yv, vv], in units of the tolerance; that on floats lets every unit of tau
+add errors of one unit:
 
 - along an arc of duration h, y'' = f(y), by the flow of the error, with r^2 = df/dy:
   J = [cosh r h, sinh(r h)/r; r sinh r h, cosh r h], M -> J M J^T
@@ -30,12 +32,15 @@ _STEP = 1e-6  # change of y for a derivative by differences
 Moments = tuple[Any, Any, Any]  # yy, yv and vv
 
 
-def along(m: Moments, grow: Any, h: Any, rate: Any, lost: Any = 1.0) -> Moments:
+def along(
+    m: Moments, grow: Any, h: Any, rate: Any, lost: Any = 1.0, error: Any = None
+) -> Moments:
     """Return the moments after an arc of duration h [tau], with the errors that it
     adds, half at its start; grow: exp(rate h), rate: root of df/dy, lost: the part of
-    an error that damping leaves. Arrays or floats.
+    an error that damping leaves, error: that of the step, None for one unit in every
+    unit of tau. Arrays or floats.
     """
-    half = 0.5 * h
+    half = 0.5 * h if error is None else 0.5 * error * error
     yy, yv, vv = m[0] + half, m[1], m[2] + half
     shrunk = 1.0 / grow
     c, s = 0.5 * lost * (grow + shrunk), 0.5 * lost * (grow - shrunk)
@@ -65,14 +70,16 @@ def through_impact(
     return yy, yv, vv
 
 
-def moved(moments: Array, h: Array, slope: Array | float, damping: float) -> Array:
+def moved(
+    moments: Array, h: Array, slope: Array | float, damping: float, error: Array
+) -> Array:
     """Return the moments of lanes, (3, lanes), after arcs of duration h [tau]; slope:
-    df/dy on them.
+    df/dy on them; error: that of the step, over the tolerance.
     """
     rate = np.sqrt(np.maximum(slope, STEEP) + damping * damping)
     lost = np.exp(-damping * h) if damping else 1.0
     m = moments[0], moments[1], moments[2]
-    return np.array(along(m, np.exp(rate * h), h, rate, lost))
+    return np.array(along(m, np.exp(rate * h), h, rate, lost, error))
 
 
 def slope_between(

@@ -175,20 +175,6 @@ def place(segments: Segments, k: Array, u: Array) -> tuple[Array, Array]:
     return k, u
 
 
-def phase_between(
-    segments: Segments, k: Array, u: Array, to_k: Array, to_u: Array
-) -> Array:
-    """Phase from one position to a later one. Whole segments between them are summed,
-    so that 10^4 cycles lose no digits.
-    """
-    phase, at, behind = to_u - u, k.copy(), np.flatnonzero(k < to_k)
-    while behind.size:
-        phase[behind] += segments.length[at[behind]]
-        at[behind] += 1
-        behind = behind[at[behind] < to_k[behind]]
-    return phase
-
-
 class RemainingImpulse(NamedTuple):
     """int |s| dphi to the end of a motion of sinusoids, which bounds overturning (Lemma
     9). Every array is (segments,).

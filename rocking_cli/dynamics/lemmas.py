@@ -7,30 +7,20 @@ On each side of a body y >= 0 is the displacement, in the unit in which the body
 falls back with acceleration 1. Time is tau = p t, and y' is a derivative by tau. The
 outward drive a is the ground acceleration over its value at uplift. The motion is
 
-    y'' = f - 2 zeta y',    f = -l(y) + a m(y),    l(0) = m(0) = 1,
-    l/m > 1 below the ground,    zeta >= 0.
+    y'' = f - 2 zeta y',    f = -l(y) + a m(y),    l(0) = m(0) = 1,    zeta >= 0.
 
 For the linear oscillator f = y - 1 + a. At y = 0 an impact puts the body on its other
 side (or back on the same one) with the speed eta |y'|. A body at rest lifts off where a
 > 1 on one of its sides.
 
-With damping, Y = exp(zeta tau) y and V = exp(zeta tau) y' have the signs of y and y'.
-For the linear oscillator Y'' - (1 + zeta^2) Y = exp(zeta tau) (a - 1) and V'' - (1 +
-zeta^2) V = exp(zeta tau) a'. Each lemma is proved on Y and V as it is on y and y'
-without damping.
-
 # Notation
 
 piece       a stretch of the motion with one closed form
 segment     a stretch of a piece on which the motion s is monotone
-drive       subcritical where a < 1, supercritical where a >= 1
-window      a stretch of time on which the drive is subcritical throughout, or
-            supercritical throughout
-step        the time that one round of the march covers with one proof: a window, or a
-            supercritical window that the body enters moving outwards together with the
-            subcritical window after it
-flow        the solution from a state under one closed form of the drive; an arc is the
-            part of it that a lane follows
+drive       subcritical where a < 1
+arc         the Taylor series of y from the present state of a lane, within one piece
+step        the part of an arc that one round of the march covers: it turns once at most
+turn        an instant at which y' changes its sign
 peak        a turning point at which y' changes from positive to negative
 A, Omega    amplitude of the drive over its value at uplift; circular frequency of the
             motion over p
@@ -44,56 +34,34 @@ w           the weight over m g, 1 + zg''/g where the ground moves upwards too;
 own c. A lemma that is used there says what changes when c replaces a.
 
 **Events.** Uplift is the first instant with -A_right s > 1 or A_left s > 1, found on
-monotone segments. Lemmas 1 and 2 isolate impacts, Lemmas 3 and 4 isolate peaks: each is
-a root in a bracket that holds exactly one. Events at one instant are taken in the order
-impact, jump of the drive, uplift. Only the pair of turns that Lemma 4 names can be
-missed. Impacts inside a sequence that Lemma 7 sums are not counted one by one. A body
-is at rest if its speed is below 1e-100, or below 1e-12 if it then bounces lower than
-1e-16 and keeps more than 1 - 1e-6 of its speed in a cycle.
+monotone segments. Lemma 1 isolates the turns of a step; with the signs of y and y' at
+its ends it isolates the impact and the peak: each is a root in a bracket that holds
+exactly one. Events at one instant are taken in the order impact, jump of the drive,
+uplift. Only two turns that are closer than 1e-9 of a step can be missed. Impacts inside
+a sequence that Lemma 7 sums are not counted one by one. A body is at rest if its speed
+is below 1e-100, or below 1e-12 if it then bounces lower than 1e-16 and keeps more than
+1 - 1e-6 of its speed in a cycle.
 
-# Lemma 1 (subcritical drive)
+# Lemma 1 (one turn)
 
-While a < 1, a body that has crossed y = 0 downwards does not come back.
-Proof. For y <= 0, l/m > 1 > a, so f < 0: the body has y' <= 0 at the crossing, and
-where y' = 0 it only falls. So y > 0 at the end of a subcritical window proves that
-there was no impact, and y <= 0 that there was exactly one.
-Varying weight: it holds, since f = m (a - w l/m) and below the ground w l/m > w > a
-where c < 1.
-Test `test_lemmas.py::test_lemma_1_under_a_subcritical_drive_a_fallen_body_stays_below`.
-
-# Lemma 2 (supercritical drive)
-
-While a >= 1 and y >= 0: if y' >= 0 at the start there is no event; if y' < 0 there is
-at most one minimum, and its sign decides.
-Proof. y' = 0 implies y'' >= 0. Undamped, y is convex there, so it lies above the point
-where the tangents at its ends meet.
-Varying weight: it holds, since above the ground w l/m <= w <= a where c >= 1.
+Let b_0 ... b_n be the Bernstein coefficients on [0, 1] of a polynomial p of degree n,
+b_0 and b_n not 0. p has as many roots inside, counted with their multiplicity, as b has
+changes of sign, or fewer by an even number. So y' of a step has no turn if its
+coefficients have one sign, and exactly one if their sign changes once. A step with
+several changes is halved: the changes of the two halves together are not more.
+Proof. With x = t/(1 + t), (1 + t)^n p = sum b_i C(n, i) t^i for t > 0: this is
+Descartes' rule of signs. The coefficients of the halves follow from b by means of
+neighbours, which vary no more than b.
+A step that has been halved thirty times is taken as it is: two turns in it, closer than
+1e-9 of the step, can be missed. They change y by less than rounding. The lemma speaks
+of the series, which is the motion to the tolerance of the equation.
+Straight lines, whose steps are short: y' and y'' leave their chords between the ends of
+a step by no more than the sum of what each term does. There is no turn if y' keeps its
+sign so, and one at most if y'' does; the coefficients are computed for the others.
 Test
-`test_lemmas.py::test_lemma_2_under_a_supercritical_drive_there_is_one_minimum_at_most`,
+`march/test_roots.py::test_a_part_with_one_turn_at_most_has_the_turns_that_are_said`,
+`march/test_advance.py::test_a_step_turns_once_at_most_and_every_peak_is_found`,
 `march/test_advance.py::test_grazing_is_decided_on_either_side`.
-
-# Lemma 3 (one peak)
-
-In a step along which a falls and then rises at most once, y' changes from positive to
-negative at most once.
-Proof. Where a' < 0, V is concave while it is negative; where a' > 0, V is convex while
-it is positive.
-Varying weight: it does not hold, since a' + w' (y - 1) has no known sign. Bernstein
-bounds of the series isolate the turns.
-Test
-`test_lemmas.py::test_lemma_3_a_drive_that_falls_and_then_rises_lets_the_body_turn_back_once`.
-
-# Lemma 4 (hidden turn)
-
-The convexity of Lemma 3 finds a pair of turns between two ends at which y' has the same
-sign.
-Proof. The slope of V tells on which side of a point its extremum lies, and the tangents
-of V prove that there is none. For Eqs. 2.3 and 3.4 f must grow with y. On stocky bodies
-under strong inward drives (a tan(alpha) tan(z) < -1) it may not, and a pair of turns
-within one window can be missed. This changes no outcome, only the height of a lower
-peak.
-Varying weight: as Lemma 3.
-Test `test_lemmas.py::test_lemma_4_finds_a_pair_of_turns_that_hides_between_two_ends`.
 
 # Lemma 6 (certain overturning)
 
@@ -183,32 +151,6 @@ Proof. At a fixed time before the first impact y = A J - K with K > 0 and dy/dA 
 y grows with A where it is positive.
 Test
 `tests/envelopes/test_boundaries.py::test_above_overturning_without_impact_there_is_nothing_else`.
-
-# Lemma 11 (exact propagation over samples)
-
-Undamped linear oscillator. While a >= c, y(h) >= y + v sinh h + (y - 1 + c)(cosh h -
-1), and no impact comes before this bound is zero. While a <= c the same expression is
-an upper bound. Where y > 0 and a >= c on a stretch of length T, y is nowhere above the
-higher of its ends by more than (1 - c) T^2/8.
-Proof. Green's function sinh is not negative, so y is monotone in the drive. y'' >= c -
-1 gives the bound by the ends. The state at the end of a stretch is exact if no impact
-comes on the way.
-Test `samples/test_records.py::test_records_against_an_integration_that_shares_no_code`.
-
-# Lemma 12 (Taylor step over samples)
-
-Any equation. On 0 <= y <= limit let L and M be the largest l and m, and a the least
-drive of a stretch of length h. With K = L + M max(0, -a), f >= -K and y'' + 2 zeta y'
->= -K, so that
-- no impact comes while y + (y' - zeta h |y'|) h - K h^2/2 > 0;
-- no peak is above the higher end by more than exp(2 zeta h) K h^2/8, and there is none
-  where y' (1 - 2 zeta h) >= K h at the start, or y' <= -K h at the end.
-Proof. The first claim is the integral of the inequality. From the peak y falls at most
-by exp(2 zeta s) K s^2/2 to an end s away.
-Varying weight: with w_+ L in the place of L, w_+ the largest weight of a stretch on
-which w > 0.
-Test
-`samples/test_taylor_steps.py::test_lemma_12_a_step_that_is_taken_holds_no_impact_and_no_higher_peak`.
 
 # Lemma 13 (contact is kept)
 

@@ -46,7 +46,7 @@ class EquationKind(NamedTuple):
     # common to share a dimensionless computation
     shares: Callable[[RockingParameters], Any]
     rates: str  # name of its form in `references.problems`
-    exact: bool = False  # True if it has no tolerance
+    exact: bool = False  # True if its tolerance is 1e-12, near rounding, always
     # returns one equation for cells of bodies with these alphas at a tolerance; they
     # are (cells,), or (2, cells) of right and left edges; None if there is none
     of_cells: Callable[[np.ndarray, float], Equation] | None = None
@@ -116,8 +116,8 @@ MODELS = tuple(dict.fromkeys(kind.model for kind in EQUATIONS))
 class Method:
     """The equation of motion and the tolerance of a computation.
 
-    "linear" is Eqs. 2.4 and 3.6, exact for undamped bodies; "nonlinear" is Eq. 2.3 of a
-    rigid body or Eq. 3.4 of a mechanism. Functions that take a method choose one
+    "linear" is Eqs. 2.4 and 3.6, always to 1e-12 of theta/alpha; "nonlinear" is Eq. 2.3
+    of a rigid body or Eq. 3.4 of a mechanism. Functions that take a method choose one
     themselves if it is None. `system_of` makes the `System` for `response` and
     `history`; `serves` tells whether the model has an equation for a structure. Raises
     UsageError for an unknown model or a tolerance out of range.
@@ -125,7 +125,7 @@ class Method:
     Attributes
     ----------
     model: "linear" or "nonlinear"
-    tolerance: of theta/alpha [-], from 1e-13 to 1e-2; an exact model ignores it
+    tolerance: of theta/alpha [-], from 1e-13 to 1e-2; "linear" ignores it
 
     Examples
     --------
@@ -139,7 +139,7 @@ class Method:
     """
 
     model: str = MODELS[0]  # one of `MODELS`
-    tolerance: float = TOLERANCE  # of theta/alpha [-]; an exact model ignores it
+    tolerance: float = TOLERANCE  # of theta/alpha [-]; "linear" ignores it
 
     @classmethod
     def of(cls, given: "Method | str") -> "Method":
@@ -169,12 +169,12 @@ class Method:
 
     @property
     def exact(self) -> bool:
-        """True if the model has no tolerance."""
+        """True if the model ignores the tolerance: its series hold to 1e-12."""
         return all(kind.exact for kind in EQUATIONS if kind.model == self.model)
 
     @property
     def stated_tolerance(self) -> float | None:
-        """The tolerance, None if the model is exact."""
+        """The tolerance, None if the model ignores it."""
         return None if self.exact else self.tolerance
 
     def kind_of(self, structure: RockingParameters) -> EquationKind:
@@ -292,13 +292,18 @@ class Method:
         """
         one = self.system_of(structures[0])
         of_cells = self.kind_of(structures[0]).of_cells
-        if len({(*self.shares(s), self.body_of(s)) for s in structures}) == 1:
-            return one
-        own = tuple(
-            (self.system_of(s), count)
-            for s, count in zip(structures, counts, strict=True)
-        )
-        one = one._replace(body=None, own=own)
+        bodies = [self.body_of(s) for s in structures]
+        known = [body for body in bodies if body is not None]
+        if (
+            len({(*self.shares(s), b) for s, b in zip(structures, bodies, strict=True)})
+            > 1
+        ):
+            one = one._replace(
+                body=Body.of_cells(known, counts)
+                if len(known) == len(bodies)
+                else None,
+                scale=np.repeat([s.alpha / s.a_scale for s in structures], counts),
+            )
         if of_cells is None or not self._mixed(structures[0]):
             return one
         if not structures[0].sides:
@@ -308,7 +313,7 @@ class Method:
 
         edges = [[side.alpha for side in reversed(s.sides)] for s in structures]
         alpha = np.ascontiguousarray(np.repeat(edges, counts, axis=0).T)
-        contacts = [system.contact for system, _ in own]
+        contacts = [self.system_of(s).contact for s in structures]
         return one._replace(
             equation=of_cells(alpha, self.tolerance),
             contact=UnequalCells.of(cast("list[Unequal]", contacts), counts),
@@ -342,7 +347,7 @@ class Method:
             if the model has no equation for this structure
         """
         if self._mixed(structure):
-            return (len(structure.sides),)
+            return len(structure.sides), self.body_of(structure) is None
         return self.shares(structure)
 
     def body_of(self, structure: RockingParameters) -> Body | None:

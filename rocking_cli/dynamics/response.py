@@ -11,7 +11,7 @@ from ..motions.motion import Motion
 from ..motions.segments import Chain
 from .batch import Batch
 from .lanes import Array
-from .march.engine import Run, by_windows
+from .march.engine import Run
 from .observers.observer import Observer
 from .outcome import Outcome, Work, safe
 from .system import System
@@ -76,8 +76,11 @@ class Response(NamedTuple):
         -------
         Response
         """
-        arrays = (np.concatenate(x) for x in list(zip(*parts, strict=True))[:-1])
-        return cls(*arrays, sum((part.work for part in parts), Work()))
+        theta_ratio, outcome, impacts, condition = (
+            np.concatenate(x) for x in list(zip(*parts, strict=True))[:-1]
+        )
+        work = sum((part.work for part in parts), Work())
+        return cls(theta_ratio, outcome, impacts, condition, work)
 
 
 WAYS = ("arrays", "floats")
@@ -188,12 +191,8 @@ def response(
         return _response(march.run(), shape, peaks)
     if how == "floats":
         return _one_by_one(system, motion, cells, shape, peaks)
-    # The peaks may prove that Fz > 0. The safe amplitudes of many bodies cost more than
-    # the peaks.
-    peaks_wanted = peaks or bool(system.own)
-    if not peaks_wanted:
-        largest = cells[0].max(initial=0.0)
-        peaks_wanted = bool(largest > system.safe_amplitude(motion))
+    # The peaks may prove that Fz > 0.
+    peaks_wanted = peaks or bool(np.any(cells[0] > system.safe_amplitude(motion)))
     batch = _batch(system, motion, cells, peaks_wanted)
     run = _marched(system, motion, cells, batch, pool=pool)
     return _response(run, shape, peaks)
@@ -210,7 +209,7 @@ def _one_by_one(
     from .single.one_by_one import OneByOne
 
     # The peaks may prove that Fz > 0.
-    prove = bool(cells[0].max(initial=0.0) > system.safe_amplitude(motion))
+    prove = bool(np.any(cells[0] > system.safe_amplitude(motion)))
     segments = system.segments(motion.coarsest)
     found = OneByOne(system, segments, cells, peaks or prove)
     theta_ratio, outcome, impacts = found.theta_ratio, found.outcome, found.impacts
@@ -238,7 +237,7 @@ def _one_by_one(
         theta_ratio.reshape(shape),
         outcome.reshape(shape),
         impacts.reshape(shape),
-        _at_least_one(condition, theta_ratio).reshape(shape),
+        _of_standing(condition, theta_ratio).reshape(shape),
         Work(cells=outcome.size),
     )
 
@@ -274,27 +273,19 @@ def _response(
         theta_ratio.reshape(shape),
         run.outcome.reshape(shape),
         run.impacts.reshape(shape),
-        _at_least_one(run.condition, theta_ratio).reshape(shape),
+        _of_standing(run.condition, theta_ratio).reshape(shape),
         run.work,
     )
 
 
-def _at_least_one(condition: Array, theta_ratio: Array) -> Array:
+def _of_standing(condition: Array, theta_ratio: Array) -> Array:
     """The condition of cells, NaN where no body rocks and stands."""
-    return np.where(theta_ratio > 0.0, np.maximum(condition, 1.0), np.nan)
+    return np.where(theta_ratio > 0.0, condition, np.nan)
 
 
 def _batch(system: System, motion: Motion, cells: Cells, peaks: bool) -> Batch:
-    """A batch of flat cells under a motion; under a record its segments are the
-    intervals between samples.
-    """
-    sampled = motion.coarsest.samples is not None and motion.vertical is None
-    return Batch.of(
-        system,
-        motion.coarsest.segments if sampled else system.segments(motion),
-        *cells,
-        peaks,
-    )
+    """A batch of flat cells under a motion."""
+    return Batch.of(system, system.segments(motion.coarsest), *cells, peaks)
 
 
 def _marched(
@@ -304,47 +295,16 @@ def _marched(
     batch: Batch,
     *observers: Observer,
     pool: int | None = None,
-    propagation: bool = True,
 ) -> Run:
-    """Run a batch to the end and mark cells that lost the ground; propagation: False if
-    observers must see every arc or Taylor step.
-    """
-    march, pool = _march_of(system, [motion], pool, propagation)
+    """Run a batch to the end and mark cells that lost the ground."""
     run = Run(batch, pool, observers)
-    run.all(march)
+    run.all()
     rocked = run.outcome == Outcome.ROCKED
     lost = cells_that_lose_contact(
         system, motion, cells, rocked, run.theta_ratio if batch.peaks else None
     )
     run.outcome[lost], run.theta_ratio[lost] = Outcome.LOST_CONTACT, np.nan
     return run
-
-
-def _march_of(
-    system: System, motions: Sequence[Motion], pool: int | None, propagation: bool
-) -> tuple[Callable[[Run, Array], None], int | None]:
-    """(the function that marches a run under these motions, the number of lanes that it
-    advances together).
-    """
-    samples = [
-        found for motion in motions if (found := motion.coarsest.samples) is not None
-    ]
-    weighed = motions[0].vertical is not None
-    if len(samples) < len(motions) or (weighed and not propagation):
-        return by_windows, pool
-    equal = all(motion.samples is not None for motion in motions)
-    # linear, undamped, equal steps
-    if propagation and not weighed and equal and system.equation.bounded:
-        from .samples.exact import LANES, ExactStepper
-
-        return (
-            lambda run, waiting: ExactStepper(run, samples).march(waiting),
-            pool or LANES,
-        )
-    from .samples.taylor_steps import LANES, TaylorStepper, WeighedTaylorStepper
-
-    stepper = WeighedTaylorStepper if weighed else TaylorStepper
-    return lambda run, waiting: stepper(run, samples).march(waiting), pool or LANES
 
 
 def cells_that_lose_contact(
@@ -361,8 +321,6 @@ def cells_that_lose_contact(
     largest |d theta/d tau| [rad], where they are given, prove Fz > 0. alone: function
     that tests a cell by itself, None to march all of them together.
     """
-    if system.own:
-        return _lost_by_structure(system, motion, cells, doubtful, theta_ratio)
     if system.body is None or not doubtful.any():
         return np.zeros(0, dtype=np.int64)
     if not np.any(doubtful & (cells[0] > system.safe_amplitude(motion))):
@@ -370,7 +328,8 @@ def cells_that_lose_contact(
     from .observers.contact_loss import ContactLoss
 
     segments = system.segments(motion)
-    loss = ContactLoss(system.body, Batch.of(system, segments, *cells, peaks=False))
+    batch = Batch.of(system, segments, *cells, peaks=False)
+    loss = ContactLoss(system.body, batch)
     at = np.flatnonzero(loss.open & doubtful)
     if theta_ratio is not None:
         at = at[
@@ -380,30 +339,9 @@ def cells_that_lose_contact(
         ]
     if alone is not None:
         return at[[alone(i) for i in at.tolist()]]
-    batch = Batch.of(system, segments, *_of(cells, at), peaks=False)
-    again = Run(batch, observers=[ContactLoss(system.body, batch)])
-    again.all()
-    return at[again.outcome == Outcome.LOST_CONTACT]
-
-
-def _lost_by_structure(
-    system: System,
-    motion: Motion,
-    cells: Cells,
-    doubtful: Array,
-    theta_ratio: Array | None,
-) -> Array:
-    """`cells_that_lose_contact` of several structures, one after the other."""
-    ends = np.cumsum([count for _, count in system.own])
-    found = []
-    for (own, count), end in zip(system.own, ends, strict=True):
-        some = slice(end - count, end)
-        turned = None if theta_ratio is None else theta_ratio[some]
-        lost = cells_that_lose_contact(
-            own, motion, _of(cells, some), doubtful[some], turned
-        )
-        found.append(end - count + lost)
-    return np.concatenate(found)
+    again = Run(batch, observers=[loss])
+    again.all(at)
+    return at[again.outcome[at] == Outcome.LOST_CONTACT]
 
 
 def response_with_speed(
@@ -423,9 +361,7 @@ def response_with_speed(
     shape, cells = _flat(amplitude, omega, eta)
     batch = _batch(system, motion, cells, peaks=True)
     speed = PeakSpeed(batch)
-    run = _marched(
-        system, motion, cells, batch, speed, propagation=motion.vertical is None
-    )
+    run = _marched(system, motion, cells, batch, speed)
     return _response(run, shape), np.where(
         safe(run.outcome), speed.speed.largest, np.nan
     ).reshape(shape)
@@ -448,9 +384,8 @@ def response_under_records(
     chain = Chain.of([record.coarsest.segments for record in records])
     batch = Batch.of(system, chain, amplitude, omega, eta, first=chain.first[which])
     speed = PeakSpeed(batch)
-    march, pool = _march_of(system, records, None, True)
-    run = Run(batch, pool, [speed])
-    run.all(march)
+    run = Run(batch, observers=[speed])
+    run.all()
     return _response(run, amplitude.shape), np.where(
         safe(run.outcome), speed.speed.largest, np.nan
     )

@@ -87,8 +87,8 @@ class SharedMarch:
         structures = [self.structures[i] for i in own]
         method = self.methods[own[0]]
         system = method.system_of_cells(structures, counts.tolist())
-        if system.own and np.all(amplitude <= self.safe_amplitude[which]):
-            system = system._replace(own=())  # no body loses contact
+        if np.all(amplitude <= self.safe_amplitude[which]):
+            system = system._replace(body=None)  # no body loses contact
         how = cheaper(system, self.motion, which.size) if own.size == 1 else "arrays"
         cells = (amplitude, omega, self.eta[which])
         return response(system, self.motion, *cells, peaks=peaks, how=how)

@@ -1,7 +1,7 @@
 """A rocking structure for the march: an equation of motion and a contact."""
 
 import math
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -32,9 +32,6 @@ class System(NamedTuple):
         alpha/a_scale, the ground acceleration over g of A = 1 [-]
     body
         gives the forces on the ground, None if they are not known
-    own
-        (system, number of cells) of each structure, in the order of the cells, if
-        there are several structures
     devices
         ties and a tendon, None without them
     springs
@@ -50,11 +47,9 @@ class System(NamedTuple):
 
     equation: Equation  # equation of motion
     contact: Contact = Symmetric()  # what happens at impacts and at uplift
-    # ground acceleration over g of A = 1 [-], None if there is none
-    scale: float | None = None
+    # ground acceleration over g of A = 1 [-], float or (cells,), None if there is none
+    scale: Any = None
     body: Body | None = None  # forces on the ground
-    # (system, number of cells), (structures,)
-    own: tuple[tuple["System", int], ...] = ()
     devices: "Devices | None" = None  # ties and a tendon
     springs: bool = False  # True if it carries weights without mass
 
@@ -113,7 +108,7 @@ class System(NamedTuple):
         )
         return weighed(motion, float(share[0]), float(share[-1]))
 
-    def safe_amplitude(self, motion: Motion) -> float:
+    def safe_amplitude(self, motion: Motion) -> Any:
         """Return the amplitude up to which contact with the ground is proved.
 
         Parameters
@@ -123,26 +118,22 @@ class System(NamedTuple):
 
         Returns
         -------
-        float
-            A [-] up to which Fz > 0 for a body that does not overturn; infinite if its
-            forces are not known
+        float or numpy.ndarray
+            A [-] up to which Fz > 0 for a body that does not overturn, (cells,) if each
+            cell has a body of its own; infinite if the forces are not known
         """
         # Lemma 13. Without overturning the push bounds the rotation, and so Fz.
-        if self.own:
-            return min(system.safe_amplitude(motion) for system, _ in self.own)
         if self.body is None or self.scale is None or not motion.largest:
             return math.inf
         sway = (
             0.0 if motion.vertical is None else motion.vertical.largest / motion.largest
         )
         scales = self.body.a_scale or (1.0,) * len(self.body.alpha)
-        accelerations = [
-            safe_acceleration(self.body, i, sway / scale)
+        safe = [
+            safe_acceleration(self.body, i, sway if not sway else sway / scale) / scale
             for i, scale in enumerate(scales)
         ]
-        return min(
-            a / scale for a, scale in zip(accelerations, scales, strict=True)
-        ) / (self.scale * motion.largest)
+        return np.minimum.reduce(safe) / (self.scale * motion.largest)
 
     def least_uplift(self, motion: Motion) -> float:
         """Return the least amplitude that lifts the body (Eqs. 2.2, 3.8).

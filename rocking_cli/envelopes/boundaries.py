@@ -17,7 +17,7 @@ import numpy as np
 
 from ..dynamics.impulse_bound import ImpulseBound
 from ..dynamics.lanes import Cells
-from ..dynamics.march.closings import FEW_SIGN_CHANGES
+from ..dynamics.march.proofs import FEW_SIGN_CHANGES
 from ..dynamics.outcome import Outcome
 from ..dynamics.response import response
 from ..dynamics.system import System

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from ..dynamics.march.closings import FEW_SIGN_CHANGES
+from ..dynamics.march.proofs import FEW_SIGN_CHANGES
 from ..dynamics.method import Method
 from ..dynamics.shared_march import SharedMarch
 from ..errors import UsageError

@@ -125,7 +125,8 @@ class _FirstSide:
         """Time of the impact inside the pulse, None if there is none; NaN if the motion
         is below rounding.
         """
-        # Where the drive is below 1 the body comes down once at most (Lemma 1).
+        # Where the drive is below 1, y'' < 0 below the ground: the body comes down
+        # once at most.
         if self.place(self.duration) > 0.0:
             return None
         if self.place(self.below) <= 0.0:

@@ -162,9 +162,7 @@ def _in_one_run(asked: Sequence[RecordSearch], of: Array, amplitude: Array) -> A
     """
     counts = np.bincount(of, minlength=len(asked)).tolist()
     structures = [one.structure for one in asked]
-    system = (
-        asked[0].method.system_of_cells(structures, counts)._replace(body=None, own=())
-    )
+    system = asked[0].method.system_of_cells(structures, counts)._replace(body=None)
     motions = list({id(one.search.motion): one.search.motion for one in asked}.values())
     numbers = {id(motion): number for number, motion in enumerate(motions)}
     which, omega, eta, alpha = (

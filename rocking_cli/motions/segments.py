@@ -91,6 +91,29 @@ class Segments:
         """
         return b
 
+    @cached_property
+    def _pieces(self) -> tuple[np.ndarray, np.ndarray]:
+        """(phase from the end of each segment to the end of its piece [rad], index of
+        the first segment after the piece), (K,) each; a piece is a closed form of s.
+        """
+        last = np.flatnonzero(~self.joins)
+        if not last.size or last[-1] != len(self) - 1:
+            last = np.append(last, len(self) - 1)
+        end = last[np.searchsorted(last, np.arange(len(self)))]
+        behind = np.zeros(len(self))
+        for k in range(len(self) - 2, -1, -1) if self.joins.any() else ():
+            if end[k] > k:
+                behind[k] = self.length[k + 1] + behind[k + 1]
+        return behind, end + 1
+
+    def left_of_piece(self, k: np.ndarray, u: np.ndarray) -> np.ndarray:
+        """Return the phase [rad] from u in segment k to the end of its piece."""
+        return self.length[k] - u + self._pieces[0][k]
+
+    def after_piece(self, k: np.ndarray) -> np.ndarray:
+        """Return the first segment after the piece of segment k."""
+        return self._pieces[1][k]
+
     def ended(self, k: np.ndarray) -> np.ndarray:
         """True where the motion is over at the start of segment k."""
         return k >= len(self)
@@ -192,6 +215,17 @@ class Segments:
         if self.harmonics == 0 or (self.harmonics == 1 and not self.sloped):
             return None
         return table_of(self)
+
+    @cached_property
+    def comb(self) -> np.ndarray | None:
+        """The frequencies of three sinusoids or more that are the same in all pieces,
+        and multiples of the first; otherwise None.
+        """
+        w = self.frequency[:, 0]
+        n = np.arange(1.0, w.size + 1.0)
+        if w.size < 3 or not np.all(self.frequency == w[:, None]):
+            return None
+        return w if np.all(np.abs(w - n * w[0]) <= 1e-15 * w) else None
 
     @cached_property
     def variation(self) -> np.ndarray:

@@ -393,7 +393,7 @@ def first_beyond(
         with np.errstate(invalid="ignore"):
             beyond = found.theta_ratio > share  # counts as a fall
         found.outcome[beyond] = Outcome.OVERTURNED_AFTER_IMPACT
-        return found.outcome, found.impacts
+        return found.outcome, found.impacts_at_least
 
     climb = Climb(np.array([low]), np.array([top]), np.array([low]), _RATIO)
     found = lowest_falls(march, climb, _EXACT, stretch=_AT_ONCE)

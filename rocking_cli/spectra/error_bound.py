@@ -6,24 +6,23 @@ processes and clusters add them up, and the median is known to 4 %.
 
 import math
 from dataclasses import dataclass
-from typing import Self
+from typing import Any, Self
 
 import numpy as np
 
+from ..dynamics.equations.linear import SERIES
 from ..dynamics.method import Method
 
 Array = np.ndarray
 
-# tolerance of an exact method: the rounding of its steps, which the condition carries
-# on
-EXACT = 1e-12
-_PER_DECADE, _DECADES = 64, 24  # bins; a larger condition counts in the last one
+# bins; a smaller condition counts in the first one, a larger one in the last
+_PER_DECADE, _DECADES, _LOWEST = 64, 32, -8.0
 _FAR = 10.0  # times the median, above which cells are counted
 
 
 def tolerance_of(method: Method) -> float:
     """Return the error that a method adds in every unit of tau, at most."""
-    return method.stated_tolerance or EXACT
+    return method.stated_tolerance or SERIES
 
 
 @dataclass(frozen=True)
@@ -37,7 +36,8 @@ class Conditions:
     def of(cls, condition: Array) -> Self:
         """Count these conditions, of any shape, without those that are NaN."""
         known = condition[np.isfinite(condition)]
-        bins = (_PER_DECADE * np.log10(np.maximum(known, 1.0))).astype(np.int64)
+        above = np.log10(np.maximum(known, 10.0**_LOWEST)) - _LOWEST
+        bins = (_PER_DECADE * above).astype(np.int64)
         size = _PER_DECADE * _DECADES
         counts = np.bincount(np.minimum(bins, size - 1), minlength=size)
         return cls(counts, float(known.max(initial=0.0)))
@@ -45,13 +45,13 @@ class Conditions:
     def __add__(self, other: "Conditions") -> "Conditions":
         return Conditions(self.counts + other.counts, max(self.largest, other.largest))
 
-    def bounds(self, method: Method) -> dict[str, float | int]:
+    def bounds(self, method: Method) -> dict[str, Any]:
         """Return the bounds by the fields of `Summary`. A bound is 1 at most: no
         rotation of a body that stands is known worse.
         """
         tolerance, total = tolerance_of(method), np.cumsum(self.counts)
         middle = int(np.searchsorted(total, 0.5 * total[-1])) if total[-1] else 0
-        median = 10.0 ** ((middle + 0.5) / _PER_DECADE) if total[-1] else 0.0
+        median = 10.0 ** ((middle + 0.5) / _PER_DECADE + _LOWEST) if total[-1] else 0.0
         first = middle + math.ceil(_PER_DECADE * math.log10(_FAR)) + 1
         return {
             "error_bound": min(1.0, tolerance * self.largest),

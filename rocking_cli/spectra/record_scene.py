@@ -173,12 +173,8 @@ class RecordScene(Scene):
             )
 
     def runs_with(self, structure: RockingParameters) -> tuple[Any, ...]:
-        # its cells can share a system with others
-        mixes = structure.plain and self.method.kind_of(structure).of_cells is not None
         return (
-            ()
-            if self.over_angles and not self.weighed and mixes
-            else self.shares(structure)
+            super().runs_with(structure) if self.over_angles else self.shares(structure)
         )
 
     def only(self, units: Sequence[Unit]) -> "RecordScene":

@@ -183,7 +183,10 @@ class Scene(ABC):
         """Return a key of a structure. One run of the engine computes all structures
         with equal keys under one motion.
         """
-        return self.shares(structure)
+        # structures of one exact equation share rotations, and their weights differ
+        if self.weighed or self.method.exact:
+            return self.shares(structure)
+        return self.method.mixes(structure)
 
 
 @dataclass(frozen=True, eq=False)

@@ -217,7 +217,7 @@ def loaded(arguments: str, folder: Path) -> dict[str, str]:
                 "spectrum block:0.5x2 --model nonlinear --grid a_g=0.1g:1g:3,f_g=1:5:3"
                 " -o OUT"
             ),
-            ["scipy", "yaml", RECORDS, ARCH, "rocking_cli.dynamics.samples.exact"],
+            ["scipy", "yaml", RECORDS, ARCH],
         ),
         (
             (

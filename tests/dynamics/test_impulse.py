@@ -25,8 +25,8 @@ from rocking_cli import (
 from rocking_cli.dynamics.batch import Batch
 from rocking_cli.dynamics.drive import RemainingImpulse
 from rocking_cli.dynamics.impulse_bound import ImpulseBound
-from rocking_cli.dynamics.march import closings
-from rocking_cli.dynamics.march.engine import Run
+from rocking_cli.dynamics.march import proofs
+from rocking_cli.dynamics.march.engine import PooledLanes, Run
 
 ARCH = str(Path(__file__).parents[2] / "configs/arch.yaml")
 FEW_PUSHES = [
@@ -119,9 +119,11 @@ def landed(motion, cells, seed, share):
     )
     bound = ImpulseBound.of(batch.equation, batch.cells, segments)
     below = bound.cannot_overturn(batch.cells, landing)
+    pooled = landing.extended(PooledLanes, slot=np.arange(at.size))
     with np.errstate(all="ignore"):
-        while landing.cell.size:
-            landing = run.round(landing)
+        while pooled.cell.size:
+            pooled = pooled.take(np.flatnonzero(~run.round(pooled)))
+            pooled.slot = np.arange(pooled.cell.size)
     return omega, below, run.outcome
 
 
@@ -165,7 +167,7 @@ def test_where_only_outcomes_are_wanted_they_are_the_same(body, motion, monkeypa
         system = Method("nonlinear").system_of(structure)._replace(body=None)
         eta = structure.eta
     sooner = response(system, motion, amplitude, omega, eta, peaks=False)
-    monkeypatch.setattr(closings, "FEW_SIGN_CHANGES", -1)
+    monkeypatch.setattr(proofs, "FEW_SIGN_CHANGES", -1)
     followed = response(system, motion, amplitude, omega, eta, peaks=False)
     np.testing.assert_array_equal(sooner.outcome, followed.outcome)
     assert np.all(sooner.impacts_at_least <= followed.impacts_at_least)

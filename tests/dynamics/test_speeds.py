@@ -68,7 +68,7 @@ def fastest(model, body, amplitude, omega, eta, motion=MOTION):
     ],
 )
 def test_the_largest_speed_by_another_integration(model, body, damping):
-    """Under exact propagation, Taylor steps and the march."""
+    """Of each equation, on one edge and two, with damping."""
     random, count, eta = np.random.default_rng(2), 12, 0.5
     large = (
         np.arange(count) % 2 == 0

@@ -212,3 +212,17 @@ def test_the_opposite_of_the_opposite_direction_has_the_name_of_the_motion():
     assert motion.scaled(2.5).scaled(-1.0).name == f"{motion.name}, times -2.5"
     floor = floor_of(motion.scaled(-1.0), "T=0.4,xi=0.05", 1.0)
     assert floor.scaled(-1.0).name == f"{motion.name}, floor of T 0.4 s"
+
+
+@pytest.mark.parametrize("short", [1e-4, 1e-8, 1e-12])
+def test_a_crossing_next_to_an_extremum_keeps_its_distance_to_it(short):
+    """sin u = 1 - d at u = pi/2 - sqrt(2 d) (1 + d/12): the distance to the peak is off
+    by no more than one rounding of the level.
+    """
+    level = np.array([1.0 - short])
+    d = 1.0 - level[0]
+    u = crossing(sine(0.5).segments, np.zeros(1, dtype=np.int64), level)
+    expected = np.sqrt(2.0 * d) * (1.0 + d / 12.0)
+    assert np.pi / 2 - u[0] == pytest.approx(
+        expected, abs=4e-16, rel=np.finfo(float).eps / d + d * d
+    )

@@ -3,13 +3,14 @@ it uses.
 
 The linear oscillator has l = 1 - y, m = 1 (Eq. 2.4), a rigid body l = sin(alpha -
 theta)/sin alpha, m = cos(alpha - theta)/cos alpha (Eq. 2.3), a mechanism the forces of
-Eq. 3.4 in its canonical coordinate. Uplift, windows and impacts need only this form.
+Eq. 3.4 in its canonical coordinate. Uplift, the Taylor series and impacts need only
+this form.
 """
 
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
-from typing import Any, NamedTuple, Protocol, Self
+from typing import TYPE_CHECKING, Any, NamedTuple, Self
 
 import numpy as np
 
@@ -17,6 +18,9 @@ from ...errors import ArgumentError
 from ...motions.segments import Segments
 from ..lanes import Array, Lanes
 from .recurrence import Rows, Series
+
+if TYPE_CHECKING:
+    from .taylor import TaylorSeries
 
 
 class Point(NamedTuple):
@@ -28,40 +32,6 @@ class Point(NamedTuple):
     j: Array  # jerk y''', by tau
 
 
-class Flow(Protocol):
-    """The motion of each lane from its present state to the next impact or the end of a
-    piece. Every array is (lanes,).
-    """
-
-    @property
-    def damping(self) -> float: ...  # zeta [-]
-
-    @property
-    def y(self) -> Any: ...  # displacement at the start, in the unit of the side
-
-    @property
-    def v(self) -> Any: ...  # velocity y' at the start, by tau
-
-    @property
-    def b(self) -> Any: ...  # acceleration y'' at the start, by tau
-
-    @property
-    def longest(self) -> Array: ...  # longest step [tau]
-
-    # rate of the fastest change [1/tau], from which the tolerances of roots follow
-    @property
-    def fastest(self) -> Array: ...
-
-    def take(self, lanes: Array) -> Self:
-        """Return the flow of the lanes with these indices."""
-
-    def at(self, h: Array) -> Point:
-        """The state of each lane h >= 0 [tau] after the start; h: (lanes,)."""
-
-    def at_ground(self, h: Array) -> Array:
-        """The force f of each lane at an impact h [tau] after the start, (lanes,)."""
-
-
 class Drive(NamedTuple):
     """The shaking of lanes: series in powers of the time over `unit`, from now on."""
 
@@ -70,34 +40,6 @@ class Drive(NamedTuple):
     unit: Array  # unit of time of the series [tau], (lanes,)
     # terms of the weight over m g [-], (terms, lanes); None if it is constant
     weight: Rows | None = None
-
-    @property
-    def line(self) -> Array:
-        """(value at the start, increase over the unit) of a drive that is a straight
-        line, (2, lanes).
-        """
-        return self.terms.array[:, : self.unit.size]
-
-    @property
-    def weight_line(self) -> Array:
-        """As `line`, of the weight over m g."""
-        return (
-            np.array([[1.0], [0.0]])
-            if self.weight is None
-            else self.weight.array[:, : self.unit.size]
-        )
-
-    def after(self, share: Array) -> "Drive":
-        """Return the rest of a straight line when this share of its unit is over."""
-
-        def rest(line: Array) -> Rows:
-            return Rows.of(line[0] + line[1] * share, line[1] * (1.0 - share))
-
-        return Drive(
-            rest(self.line),
-            self.unit * (1.0 - share),
-            None if self.weight is None else rest(self.weight_line),
-        )
 
 
 _STEP = 1e-6  # change of y for a derivative by differences
@@ -133,15 +75,17 @@ class Equation(ABC):
     spread = 1.0
     per_y: Any = 1.0  # |theta|/alpha at y = 1 [-], if they are proportional
     per_rotation: Any = 1.0  # y at |theta|/alpha = 1, if they are proportional
-    # lanes that the march advances together: fewer rounds against arrays that no longer
-    # fit the caches (24 terms)
-    pool = 16384
 
     def __init__(self, damping: float) -> None:
         if not 0.0 <= damping < math.inf:
             raise ArgumentError(f"damping: found {damping:g}; expected a number from 0")
         # zeta [-]; without damping the motion after the shaking has a closed form
         self.damping = damping
+
+    @property
+    def stated(self) -> float:
+        """The tolerance in units of which errors are stated [-]."""
+        return self.tolerance
 
     def on(self, side: Array, cell: Array | None = None) -> Self:
         """Return the equation with the numbers of these lanes: of the sides, +1 or -1,
@@ -164,8 +108,8 @@ class Equation(ABC):
         return self
 
     @abstractmethod
-    def flow(self, segments: Segments, lanes: Lanes) -> Flow:
-        """Return the flow of the lanes from their present state."""
+    def flow(self, segments: Segments, lanes: Lanes) -> "TaylorSeries":
+        """Return the Taylor series of the lanes from their present state."""
 
     @abstractmethod
     def along(
@@ -219,6 +163,11 @@ class Equation(ABC):
         they overturn, move inwards, or the equation has no closed form.
         """
         return np.full(y.shape, np.nan)
+
+    def may_overturn(self, y: Array, v: Array) -> Array:
+        """False where `certainly_overturns` is False under any drive to come."""
+        # The least barrier is that of still ground, which y' > 1 - y is needed to pass.
+        return np.asarray(y + v > 1.0)
 
     @abstractmethod
     def certainly_overturns(

@@ -1,5 +1,5 @@
-"""The linear oscillator (Eqs. 2.4 and 3.6): y is |theta|/alpha. Its flow is exact; with
-damping or under a varying weight it is a Taylor series.
+"""The linear oscillator (Eqs. 2.4 and 3.6): y is |theta|/alpha. Its motion is a Taylor
+series, whose tolerance is near rounding; a user does not choose it.
 """
 
 import math
@@ -8,14 +8,12 @@ from collections.abc import Callable
 import numpy as np
 
 from ...motions.segments import Segments
-from ..drive import segment_value
 from ..lanes import Array, Lanes
-from .equation import Equation, Flow
-from .flow import LinearFlow
+from .equation import Equation
 from .recurrence import Series
-from .taylor import line_flow, order_for, series, series_flow
+from .taylor import TaylorSeries, line_flow, order_for, series, series_flow
 
-SERIES = 1e-12  # tolerance of the series with damping or under a varying weight
+SERIES = 1e-12  # tolerance of the series under sinusoids
 
 
 class LinearEquation(Equation):
@@ -36,7 +34,7 @@ class LinearEquation(Equation):
 
     Notes
     -----
-    Without damping and vertical motion the flow is exact. The equation holds for
+    The motion is a Taylor series to 1e-12 of theta/alpha. The equation holds for
     slender structures: angles for which sin(alpha) is close to alpha.
 
     Examples
@@ -49,12 +47,11 @@ class LinearEquation(Equation):
 
     gain = 1.0
     limit = np.inf
-    # tolerance of a series, where one is used: terms left out are below rounding
+    # tolerance of the short series of straight lines: terms left out are below
+    # rounding
     tolerance = 1e-13
     bounds = (1.0, 1.0)
     barrier = 1.0
-    # fewer rounds outweigh arrays that no longer fit the second-level cache
-    pool = 32768
 
     def __init__(self, damping: float = 0.0) -> None:
         super().__init__(damping)
@@ -62,26 +59,16 @@ class LinearEquation(Equation):
         # rate of the unstable mode, over p
         self.growth = math.sqrt(1.0 + damping * damping) - damping
 
-    def flow(self, segments: Segments, lanes: Lanes) -> Flow:
+    @property
+    def stated(self) -> float:
+        return SERIES
+
+    def flow(self, segments: Segments, lanes: Lanes) -> TaylorSeries:
         """The motion of each lane from its state."""
-        if self.damping or segments.weighed is not None:
-            if segments.straight:
-                return line_flow(self, segments, lanes)
-            return series(
-                *series_flow(self, segments, lanes, order_for(SERIES)),
-                SERIES,
-                self.damping,
-            )
-        _, sin, cos = segment_value(segments, lanes.segment, lanes.phase)
-        outward = -lanes.side * lanes.amplitude
-        ramp = (
-            outward * segments.slope[lanes.segment] * lanes.omega
-            if segments.sloped
-            else None
-        )
-        w = segments.frequency.take(lanes.segment, axis=1) * lanes.omega
-        return LinearFlow(
-            lanes.y, lanes.v, lanes.force, outward * cos, outward * sin, w, ramp
+        if segments.straight:
+            return line_flow(self, segments, lanes)
+        return series(
+            *series_flow(self, segments, lanes, order_for(SERIES)), SERIES, self.damping
         )
 
     def along(

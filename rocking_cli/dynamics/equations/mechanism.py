@@ -88,8 +88,8 @@ class MechanismEquation(Equation):
         self, mechanism: Mechanism, tolerance: float = 1e-9, damping: float = 0.0
     ) -> None:
         super().__init__(damping)
-        # fewer terms than for a body: cost ~ terms^3
-        self.order = order_for(tolerance, 0.8)
+        # fewer terms than for a body: cost ~ terms^3; the table has no more of them
+        self.order = min(order_for(tolerance, 0.8), MOST_TERMS + 1)
         self.tolerance = tolerance
         self.table = table = tabulate(mechanism)
         self.limit = float(table.edges[-1])
@@ -263,6 +263,9 @@ class MechanismEquation(Equation):
         return inverse(
             self.table, self.table.work, np.minimum(energy, self.barrier), self.top
         )
+
+    def may_overturn(self, y: Array, v: Array) -> Array:
+        return np.asarray((v > 0.0) | (y >= self.limit))
 
     def certainly_overturns(
         self, y: Array, v: Array, inward: Array, steady: bool = True

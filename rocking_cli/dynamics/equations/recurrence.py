@@ -109,6 +109,13 @@ def product_terms(a: Series, b: Series, c: Series) -> tuple[Any, Any]:
     return by_b, by_c
 
 
+def known(force: Any, own: Any) -> Any:
+    """Return the force where it is known, elsewhere `own`; floats or arrays."""
+    if isinstance(force, np.ndarray):
+        return np.where(np.isnan(force), own, force)
+    return own if force != force else force
+
+
 def motion_terms(
     equation: Recurrence,
     y: Any,
@@ -129,7 +136,7 @@ def motion_terms(
         drive: series of the outward drive
         weight: series of the weight over m g, None for 1
         force: y'' + 2 zeta y' at the start, where it is known to more digits than
-            follow from the drive
+            follow from the drive; NaN elsewhere
 
     Returns len(factors) + 2 terms: a list if `drive` is one, otherwise (terms, lanes).
     """
@@ -149,15 +156,14 @@ def motion_terms(
     for n, factor in enumerate(factors):
         if n:
             extend(n)
-        if n == 0 and force is not None:
-            own = force
+        weighed = lift[n] if weight is None else product_term(weight, lift)
+        if push is None:  # G = 1
+            own = drive[n] - weighed if n < len(drive) else -weighed
         else:
-            weighed = lift[n] if weight is None else product_term(weight, lift)
-            if push is None:  # G = 1
-                own = drive[n] - weighed if n < len(drive) else -weighed
-            else:
-                own = product_term(drive, push)
-                own -= weighed
+            own = product_term(drive, push)
+            own -= weighed
+        if n == 0 and force is not None:
+            own = known(force, own)
         if drag is not None:
             own = own - drag * (n + 1) * motion[n + 1]
         motion.append(own * factor)

@@ -2,10 +2,6 @@
 / sin(alpha), z = alpha - y sin(alpha) and a the outward drive over g tan(alpha),
 
     y'' = -sin z / sin(alpha) + a cos z / cos(alpha) - 2 zeta y'
-
-Below the ground tan z > tan alpha, so under a subcritical drive (a < 1) a body that has
-crossed y = 0 stays below it. Under a supercritical drive f > 0 for y >= 0. So Lemmas 1
-and 2 hold.
 """
 
 import math

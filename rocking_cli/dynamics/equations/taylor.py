@@ -1,6 +1,5 @@
-"""Taylor series of each lane's motion: the flow of equations without a closed form. The
-last terms of a series give the length of its step, so no step is rejected. Impacts and
-peaks are roots of the series.
+"""Taylor series of each lane's motion. The last terms of a series give the length of
+its step, so no step is rejected. Impacts and peaks are roots of the series.
 """
 
 import math
@@ -20,7 +19,7 @@ from .recurrence import Recurrence, Rows, motion_terms
 # Allowed error of a step, in y', over the tolerance: errors double every 0.7 in tau,
 # and grow by a factor of tens under a pulse.
 LOCAL = 3e-2
-CACHED = 2048  # lanes for which the recurrences stay in the second-level cache
+CACHED = 4096  # lanes for which the recurrences stay in the second-level cache
 LOWEST, HIGHEST = 1e-13, 1e-2  # range of tolerances
 LONGEST = 1.0  # tau: a series of `MOST_TERMS` holds any tolerance up to it
 MOST_TERMS = 24
@@ -44,8 +43,10 @@ class TaylorSeries(Arrays):
     terms: Array  # coefficients of y, (terms, lanes)
     unit: Array  # unit of time of the series [tau], (lanes,)
     longest: Array  # longest h for which the series holds [tau], (lanes,)
-    fastest: Array  # rate of the fastest change, as in `Flow` [1/tau], (lanes,)
+    fastest: Array  # rate of the fastest change [1/tau], (lanes,)
     damping: float = 0.0  # zeta [-]
+    # bound of the error of y' after `longest`, None where the terms tell it, (lanes,)
+    error: Array | None = None
 
     @property
     def y(self) -> Array:
@@ -64,39 +65,26 @@ class TaylorSeries(Arrays):
 
     def at(self, h: Array) -> Point:
         """y and its first three derivatives after h [tau], (lanes,)."""
-        return self._at(h)[0]
+        return self.point(self.over(h), h)
 
-    def at_with_chord_errors(self, h: Array) -> tuple[Point, Array]:
-        """(`at`, chord errors (2, lanes)): bounds of how far h y' and h^2 y'' leave the
-        straight line between their values at 0 and h.
-        """
-        point, terms = self._at(h)
-        return (
-            point,
-            np.einsum("dn,nl->dl", _chord_errors(len(terms)), np.abs(terms[3:]))[
-                :, : h.size
-            ],
-        )
-
-    def _at(self, h: Array) -> tuple[Point, Array]:
-        """The state after h, and the terms of y there."""
-        x = np.maximum(h / self.unit, _TINY)
-        terms = powers(x, len(self.terms))
+    def over(self, h: Array) -> Array:
+        """Return the terms of y in powers of the time over h, (terms, lanes)."""
+        terms = powers(np.maximum(h, _TINY) / self.unit, len(self.terms))
         terms *= self.terms
+        return terms
+
+    @staticmethod
+    def point(terms: Array, h: Array) -> Point:
+        """Return the state after h, by the terms of y `over` h."""
         # NumPy sums a single lane in another order: no digit may depend on a lane's
         # neighbours
-        if x.size == 1:
+        if h.size == 1:
             terms = np.repeat(terms, 2, axis=1)
         y, v, b, j = np.einsum("dn,nl->dl", _falling_factors(len(terms)), terms)[
-            :, : x.size
+            :, : h.size
         ]
-        over = 1.0 / (x * self.unit)
-        return Point(y, v * over, b * over * over, j * over * over * over), terms
-
-    def at_ground(self, h: Array) -> Array:
-        """The force at an impact after h [tau]: y'' plus the drag 2 zeta y'."""
-        there = self.at(h)
-        return there.b + 2.0 * self.damping * there.v if self.damping else there.b
+        over = 1.0 / np.maximum(h, _TINY)
+        return Point(y, v * over, b * over * over, j * over * over * over)
 
 
 def powers(x: Array, count: int) -> Array:
@@ -112,21 +100,26 @@ def powers(x: Array, count: int) -> Array:
     return rows
 
 
+def product(table: Array, terms: Array) -> Array:
+    """table @ terms, (rows, lanes). The order of each sum does not depend on the other
+    lanes, as it would in a product of matrices.
+    """
+    if terms.shape[1] == 1:  # NumPy sums a single lane in another order
+        return product(table, np.repeat(terms, 2, axis=1))[:, :1]
+    if terms.shape[1] <= CACHED:
+        return np.einsum("in,nl->il", table, terms)
+    parts = [
+        np.einsum("in,nl->il", table, terms[:, block])
+        for block in blocks(terms.shape[1], CACHED)
+    ]
+    return np.concatenate(parts, axis=1)
+
+
 @lru_cache(maxsize=64)
 def _falling_factors(count: int) -> Array:
     """(4, count): 1, n, n (n - 1), n (n - 1)(n - 2), for n from 0."""
     n = np.arange(float(count))
     return np.array([np.ones(count), n, n * (n - 1.0), n * (n - 1.0) * (n - 2.0)])
-
-
-@lru_cache(maxsize=64)
-def _chord_errors(count: int) -> Array:
-    """(2, count - 3), for n from 3: n times the maximum of t - t^(n - 1) on [0, 1], and
-    n (n - 1) times that of t - t^(n - 2).
-    """
-    n = np.arange(3.0, count)
-    m = np.maximum(np.array([n - 1.0, n - 2.0]), 1.0 + 1e-9)
-    return np.array([n, n * (n - 1.0)]) * m ** (-1.0 / (m - 1.0)) * (1.0 - 1.0 / m)
 
 
 def order_for(tolerance: float, terms: float = 0.98) -> int:
@@ -150,6 +143,8 @@ def drive_series(
     rate: fastest change of the body on still ground [1/tau].
     """
     weighed = segments.weighed
+    if weighed is None and segments.comb is not None:
+        return _comb_series(segments, segments.comb, lanes, order, rate)
     here = segment_value(segments, lanes.segment, lanes.phase)
     # The rate of the fastest change is the unit of the series: terms then fall off.
     w, *up = (
@@ -176,6 +171,39 @@ def drive_series(
     rows[0] = 1.0 + sway * (vertical.s_start[lanes.segment] + change)
     _fill(rows, vertical, lanes, rise, sway, up[0], unit)
     return Drive(Rows.from_array(terms), unit, Rows.from_array(rows)), fastest
+
+
+def _comb_series(
+    segments: Segments, w: Array, lanes: Lanes, order: int, rate: Array | float
+) -> tuple[Drive, Array]:
+    """`drive_series` under many sinusoids that are the same in all pieces, of
+    frequencies w, multiples of the first one: their sines and cosines are powers.
+    """
+    k, u = lanes.segment, lanes.phase
+    angle = w[0] * u
+    turns = powers(np.cos(angle) + 1j * np.sin(angle), w.size + 1)[1:]
+    cos, sin = turns.real, turns.imag
+    a, b = segments.sin.take(k, axis=1), segments.cos.take(k, axis=1)
+    now, grows = a * cos, b * cos
+    now += b * sin
+    grows -= a * sin
+
+    # term n of a sinusoid in powers of the time over `unit`, with w the fastest rate
+    n = np.arange(order + 1)
+    size = (w / w.max()) ** n[:, None] * (1.0 - 2.0 * (n // 2 % 2))[:, None]
+    size /= np.array([float(math.factorial(i)) for i in n])[:, None]
+    terms = np.empty((order + 1, u.size))
+    terms[::2], terms[1::2] = product(size[::2], now), product(size[1::2], grows)
+    terms[0] += segments.s_start[k] - segments.sin.sum(axis=0)[k]
+    fastest = w.max() * lanes.omega
+    unit = 1.0 / (rate + fastest)
+    if segments.sloped:
+        slope = segments.slope[k]
+        terms[0] += slope * u
+        terms[1] += slope / w.max()
+    terms *= powers(fastest * unit, order + 1)
+    terms *= -lanes.side * lanes.amplitude
+    return Drive(Rows.from_array(terms), unit), 1.0 / unit
 
 
 def _fill(
@@ -366,10 +394,10 @@ def line_series(
     unit = drive.unit
     # A bound of |y''| and of the slope of the drive gives the degree.
     size = 2.0 + np.abs(v) * (growth / GROWTH)
-    for line in (
-        (drive.line, drive.weight_line) if drive.weight is not None else (drive.line,)
-    ):
-        start, gain = np.abs(line)
+    for line in (drive.terms, drive.weight):
+        if line is None:
+            continue
+        start, gain = np.abs(line.array[:, : unit.size])
         size += start + gain / unit
     degree = degrees(size, unit, equation.tolerance, growth)
     terms = motion_terms(
@@ -398,4 +426,6 @@ def line_series(
         np.minimum(short, 1.0) * unit,
         np.full(unit.shape, growth),
         equation.damping,
+        # what is left out is to the last terms as those are to the terms before them
+        np.minimum(degree, 4.0 * (growth * unit) ** 2 / degree) * last / unit,
     )

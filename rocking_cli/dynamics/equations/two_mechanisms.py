@@ -153,6 +153,9 @@ class TwoMechanisms(Equation):
     def peak(self, energy: Array) -> Array:
         return self._each(lambda one, at: one.peak(energy[at]), energy.size)
 
+    def may_overturn(self, y: Array, v: Array) -> Array:
+        return np.asarray((v > 0.0) | (y >= self.limit))
+
     def certainly_overturns(
         self, y: Array, v: Array, inward: Array, steady: bool = True
     ) -> Array:

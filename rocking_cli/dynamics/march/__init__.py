@@ -1,3 +1,4 @@
-"""The march takes cells from event to event. In a window the drive stays below 1, or at
-1 and above; a closing is a proof that ends the march of a lane.
+"""The march of many bodies: `advance` takes a step with one turn at most, `roots` finds
+the impact and the peak in it, `engine` is the loop over steps, `proofs` ends lanes
+whose outcome is known.
 """

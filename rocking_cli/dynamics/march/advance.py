@@ -1,214 +1,75 @@
-"""One round of the engine: each lane goes from its present state to the end of a window
-of the outward drive a, or to an impact.
+"""One step of every lane: the Taylor series of its motion from its present state, over
+a time in which the body turns once at most.
 
-The sign of a - 1 in a window proves whether y has a root in it (Lemmas 1 and 2). A
-window with a < 1 ends at any inner maximum of a, so that a falls and then rises once
-along it (Lemma 3). Boundaries are the crossings of a = 1 and the ends of pieces.
+A step ends where the series no longer holds, where the closed form of the drive ends,
+or before the second turn. The Bernstein coefficients of y' count the turns: their
+number of sign changes is the number of turns, or more by an even number (Lemma 1). So
+the signs of y and y' at both ends tell what happens in a step:
+
+    y' stays positive                    nothing
+    y' stays negative                    an impact if y <= 0 at the end
+    y' turns from positive to negative   a peak; an impact after it if y <= 0 at the end
+    y' turns from negative to positive   a lowest point; an impact before it if y <= 0
+                                         there
 """
 
-from typing import TYPE_CHECKING, NamedTuple
+from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
 
 from ...motions.segments import Segments
-from ..drive import crossing, phase_between, place
-from ..equations.equation import Equation, Flow, Point
-from ..equations.taylor import TaylorSeries
+from ..equations.equation import Equation, Point
+from ..equations.taylor import MOST_TERMS, TaylorSeries, powers
 from ..lanes import Array, Lanes
-from .roots import falls_through_zero, hidden_turn, impact_root, sense, turning_point
+from .roots import bernstein_form, fall_guess, only_root, turn_guess
 
-if TYPE_CHECKING:
-    from ..weighed_drive import WeighedSegments
-
-# a bound counts if it holds with this much room, which is more than rounding needs
-_SAFE_SHARE = 1.0 - 1e-9
-
-
-class Windows(NamedTuple):
-    """The end of the present window of each lane. A window is an interval in which the
-    drive stays subcritical, or stays supercritical. Every array is (lanes,).
-    """
-
-    segment: Array  # segment of the end
-    phase: Array  # phase of the end in its segment [rad]
-    supercritical: Array  # True if the drive is supercritical
-    # phase of the whole segments between the present one and `segment` [rad]
-    over: Array
-
-    def phase_from(self, u: Array) -> Array:
-        """The phase from u in the present segment to the end of the window."""
-        return self.phase - u + self.over
-
-
-def window_end(
-    segments: Segments, k: Array, u: Array, side: Array, amplitude: Array
-) -> Windows:
-    """The end of the window that holds the position (k, u); a boundary belongs to the
-    window that begins there. Where the weight varies, the windows are those of the net
-    drive on the body's side.
-    """
-    if (weighed := segments.weighed) is not None:
-        return _weighed_window_end(weighed, k, u, side, amplitude)
-    # a at both ends of the segment, over the amplitude; above the level a > 1.
-    level, length = 1.0 / amplitude, segments.length[k]
-    from_a, to_a = -side * segments.s_start[k], -side * segments.s_end[k]
-    start, end = from_a > level, to_a > level
-    crosses = start != end
-
-    # The window ends at the crossing of a = 1, if the lane is before it.
-    cut = length.copy()
-    at = np.flatnonzero(crosses)
-    cut[at] = crossing(segments, k[at], -side[at] * level[at])
-    before = u < cut
-    supercritical = np.where(before, start, end)
-    before &= crosses
-    window = Windows(
-        k, np.where(before, cut, length), supercritical, np.zeros(length.shape)
-    )
-
-    # Past the crossing (or without one) it runs to the segment's end. It continues into
-    # the next segment if that segment has the same closed form and brings the drive
-    # back towards a = 1.
-    on = np.flatnonzero(
-        ~before & segments.joins[k] & (supercritical != (to_a < from_a))
-    )
-    return _into_next(segments, window, on, side, level) if on.size else window
-
-
-def _weighed_window_end(
-    weighed: "WeighedSegments", k: Array, u: Array, side: Array, amplitude: Array
-) -> Windows:
-    """As `window_end`, of the net drive."""
-    offset = weighed.offset(side)
-    there = _beyond_cuts(
-        weighed.edges,
-        window_end(weighed.edges, k + offset, u, side, amplitude),
-        side,
-        amplitude,
-    )
-    return there._replace(segment=there.segment - offset)
-
-
-def _into_next(
-    segments: Segments, window: Windows, on: Array, side: Array, level: Array
-) -> Windows:
-    """The same windows, of which those of the lanes `on` go on into the next segment,
-    up to the crossing of a = 1 or its end.
-    """
-    segment, phase, over = window.segment.copy(), window.phase, window.over
-    over[on] = segments.length[segment[on]]
-    segment[on] = following = segment[on] + 1
-    cut = segments.length[following]
-    ends = -side[on] * segments.s_end[following] > level[on]
-    crosses = np.flatnonzero(window.supercritical[on] != ends)
-    at = on[crosses]
-    cut[crosses] = crossing(segments, following[crosses], -side[at] * level[at])
-    phase[on] = cut
-    return Windows(segment, phase, window.supercritical, over)
-
-
-def _beyond_cuts(
-    segments: Segments, window: Windows, side: Array, amplitude: Array
-) -> Windows:
-    """The same windows, extended past segment ends at which only the drive of the other
-    edge turns, but not past inner maxima.
-    """
-    k, u, supercritical, over = window
-    lanes = np.arange(k.size)
-    while True:
-        # Windows that reach the end of a segment after which the closed form goes on.
-        ends = lanes[(u[lanes] >= segments.length[k[lanes]]) & segments.joins[k[lanes]]]
-        rises, falls = (
-            sense * side[ends] * (segments.s_end[at] - segments.s_start[at]) < 0.0
-            for sense, at in ((1.0, k[ends]), (-1.0, k[ends] + 1))
-        )
-        # A subcritical window stops at a maximum of the drive: Lemma 3 needs a drive
-        # that falls first and rises then.
-        ends = ends[supercritical[ends] | ~(rises & falls)]
-        if not ends.size:
-            return Windows(k, u, supercritical, over)
-        following = window_end(
-            segments, k[ends] + 1, np.zeros(ends.size), side[ends], amplitude[ends]
-        )
-        # The window goes on where the drive is on the same side of 1 there.
-        same = following.supercritical == supercritical[ends]
-        lanes = ends[same]
-        k, u, over = k.copy(), u.copy(), over.copy()
-        over[lanes] += segments.length[k[lanes]] + following.over[same]
-        k[lanes], u[lanes] = following.segment[same], following.phase[same]
-
-
-class LaneStep(NamedTuple):
-    """The time that each lane covers with one proof: one window of the drive, or a
-    supercritical window that the lane leaves outwards together with the subcritical
-    window after it. Every array is (lanes,).
-    """
-
-    segment: Array  # segment in which the step ends
-    phase: Array  # phase of the end in its segment [rad]
-    h: Array  # length of the step [tau]
-    supercritical: Array  # True if the drive is supercritical throughout
-    # time in the step at which its subcritical window begins [tau], 0 if the step has
-    # no other window
-    subcritical: Array
+# a step with several sign changes is halved so often at the most; two turns closer than
+# 1e-9 of a step change y by less than rounding
+_HALVINGS = 30
 
 
 class StepResult(NamedTuple):
-    """A step and its outcome. Every array is (lanes,)."""
+    """A step of lanes and its outcome. Every array is (lanes,)."""
 
-    step: LaneStep  # the step
-    arc: Flow  # the motion from its start
-    end: Point  # the state at its end
+    arc: TaylorSeries  # the motion from its start
+    whole: Array  # True where the step ends with the closed form of the drive
+    end: Point  # the state at the end of the step
     reach: Array  # time from the start to the impact, or to the end of the step [tau]
     hit: Array  # True where the lane hit the ground
     impact_v: Array  # velocity y' just before the impact
     impact_force: Array  # force y'' + 2 zeta y' at the impact
-    # chord errors of `TaylorSeries.at_with_chord_errors`, where the weight varies
-    chord_errors: Array | None = None
-
-    @property
-    def force(self) -> Array:
-        """The force f at the end of the step."""
-        return (
-            self.end.b + 2.0 * self.arc.damping * self.end.v
-            if self.arc.damping
-            else self.end.b
-        )
+    top: Array  # y at the peak of the step, -inf without one
+    top_at: Array  # time from the start to that peak [tau]
+    error: Array  # bound of the error of y' that the step adds
+    fastest: Array  # bound of |y'| during the step
 
 
-def next_step(segments: Segments, lanes: Lanes, longest: Array) -> LaneStep:
-    """The longest step of each lane that one sign test covers and that the flow can
-    make (`longest` [tau]).
+class Turns(NamedTuple):
+    """Steps with one turn at most. Every array is (lanes,)."""
+
+    share: Array  # length of the step over that which was asked for
+    outward: Array  # True where y' >= 0 at the start
+    turns: Array  # True where y' changes its sign
+    guess: Array  # where it does, over the step; 1 without a turn
+    fastest: Array  # bound of |y'| times the length of the step
+    largest_acceleration: Array  # bound of |y''| times the square of that length
+
+
+def one_turn_step(
+    arc: TaylorSeries, longest: Array, lines: bool
+) -> tuple[Array, Array, Turns]:
+    """Return (the length h of the step of each lane [tau], at most `longest`; the terms
+    of y in powers of the time over h; its turns). lines: True under straight lines.
     """
-    window = window_end(
-        segments, lanes.segment, lanes.phase, lanes.side, lanes.amplitude
-    )
-    k, u = window.segment.copy(), window.phase.copy()
-    h = window.phase_from(lanes.phase) / lanes.omega
-    supercritical, subcritical = window.supercritical.copy(), np.zeros(h.size)
-    # A supercritical window entered outwards holds no event: go on to the end of the
-    # subcritical window after it.
-    on = np.flatnonzero(
-        window.supercritical
-        & (lanes.v >= 0.0)
-        & (u < segments.length[k])
-        & (h < longest)
-    )
-    if on.size:
-        beyond = window_end(segments, k[on], u[on], lanes.side[on], lanes.amplitude[on])
-        subcritical[on] = h[on]
-        h[on] += beyond.phase_from(u[on]) / lanes.omega[on]
-        k[on], u[on], supercritical[on] = beyond.segment, beyond.phase, False
-    # A step that would be too long ends inside its window.
-    long = np.flatnonzero(h > longest)
-    if long.size:
-        h[long] = longest[long]
-        k[long], u[long] = place(
-            segments,
-            lanes.segment[long],
-            lanes.phase[long] + longest[long] * lanes.omega[long],
-        )
-    return LaneStep(k, u, h, supercritical, subcritical)
+    h = np.minimum(arc.longest, longest)
+    terms = arc.over(h)
+    turns = (one_turn_of_lines if lines else one_turn)(terms)
+    shorter = np.flatnonzero(turns.share < 1.0)
+    if shorter.size:
+        h[shorter] *= turns.share[shorter]
+        terms[:, shorter] *= powers(turns.share[shorter], len(terms))
+    return h, terms, turns
 
 
 def advance(
@@ -218,193 +79,174 @@ def advance(
     longest step [tau] that other events allow.
     """
     arc = equation.flow(segments, lanes)
-    step = next_step(segments, lanes, np.minimum(arc.longest, until))
-    if segments.weighed is not None and isinstance(arc, TaylorSeries):
-        end, chord_errors = arc.at_with_chord_errors(step.h)
-    else:
-        end, chord_errors = arc.at(step.h), None
-    # Lemmas 1 and 2: y <= 0 at the end of the step proves exactly one impact.
-    reach = step.h.copy()
-    hit = end.y <= 0.0
-    # Lemma 2, a supercritical window entered inwards: y may touch the ground at its
-    # only minimum although both ends are above the ground.
-    dips = np.flatnonzero(step.supercritical & ~hit & (lanes.v < 0.0) & (end.v > 0.0))
+    left = segments.left_of_piece(lanes.segment, lanes.phase) / lanes.omega
+    h, terms, one = one_turn_step(arc, np.minimum(left, until), segments.straight)
+    end = arc.point(terms, h)
+
+    hit = (end.y <= 0.0) & (one.turns | ~one.outward)
+    s, top, top_at = np.ones(h.size), np.full(h.size, -np.inf), np.zeros(h.size)
+    _lowest_points(terms, one, hit, s)
+    peaks = np.flatnonzero(one.turns & one.outward)
+    if peaks.size:
+        own = terms.take(peaks, axis=1)
+        top_at[peaks], top[peaks] = only_root(own, one.guess[peaks], speed=True)[:2]
+    impact_v, impact_force = _impacts(arc, terms, h, np.flatnonzero(hit), s)
+    return StepResult(
+        arc,
+        (h == left) & ~hit,
+        end,
+        s * h,
+        hit,
+        impact_v,
+        impact_force,
+        top,
+        top_at * h,
+        _last_terms(terms) / h if arc.error is None else arc.error,
+        one.fastest / h,
+    )
+
+
+def _lowest_points(terms: Array, one: Turns, hit: Array, s: Array) -> None:
+    """Where a body turns outwards below the ground or on it: set `hit`, and `s` to the
+    instant of the lowest point, over the step.
+    """
+    dips = np.flatnonzero(one.turns & ~one.outward & ~hit)
     if dips.size:
-        h = step.h[dips]
-        h_min, y_min = turning_point(
-            arc.take(dips), np.zeros(dips.size), h, 0.5 * h, -1.0
-        )
-        touched = ~(y_min > 0.0)
+        when, height = only_root(
+            -terms.take(dips, axis=1), one.guess[dips], speed=True
+        )[:2]
+        touched = ~(height < 0.0)  # heights are those of -y
         hit[dips[touched]] = True
-        reach[dips[touched]] = h_min[touched]
-    # The impact lies between the start of the subcritical part of the step and the end,
-    # or the minimum.
-    impact_v, impact_force = np.zeros_like(reach), np.zeros_like(reach)
-    at = np.flatnonzero(hit)
+        s[dips[touched]] = when[touched]
+
+
+def _impacts(
+    arc: TaylorSeries, terms: Array, h: Array, at: Array, s: Array
+) -> tuple[Array, Array]:
+    """(velocity, force) of the impacts of the lanes `at`, which come before the shares
+    `s` of their steps; `s` becomes the shares at the impacts.
+    """
+    velocity, force = np.zeros(h.size), np.zeros(h.size)
     if at.size:
-        guess = _impact_guess(arc, step, end, reach, at)
-        falling = arc.take(at)
-        reach[at], impact_v[at] = impact_root(
-            falling, step.subcritical[at], reach[at], guess
-        )
-        impact_force[at] = falling.at_ground(reach[at])
-    return StepResult(step, arc, end, reach, hit, impact_v, impact_force, chord_errors)
+        own = terms.take(at, axis=1)
+        before = s[at]
+        if (before < 1.0).any():
+            own *= powers(before, len(own))
+        when, _, speed, rate = only_root(own, *fall_guess(own), speed=False)
+        over = 1.0 / (before * h[at])
+        s[at] *= when
+        velocity[at] = np.minimum(0.0, speed * over)
+        force[at] = rate * over * over
+        if arc.damping:
+            force[at] += 2.0 * arc.damping * velocity[at]
+    return velocity, force
 
 
-def _impact_guess(
-    arc: Flow, step: LaneStep, end: Point, reach: Array, at: Array
-) -> Array:
-    """A first guess of the impact time inside the bracket: from the start by y, y', y''
-    where b < 0 there, else a step from the end.
-    """
-    low, high = step.subcritical[at], reach[at]
-    y, v, b = arc.y[at], arc.v[at], arc.b[at]
-    with np.errstate(all="ignore"):
-        left = (v + np.sqrt(v * v - 2.0 * b * y)) / -b
-        slope, second = end.v[at], end.b[at]
-        right = step.h[at] - end.y[at] / (slope - 0.5 * end.y[at] * second / slope)
-        guess = np.where((b < 0.0) & (left < high) & (left > low), left, right)
-    return np.where((guess > low) & (guess < high), guess, 0.5 * (low + high))
-
-
-def turning_points(
-    segments: Segments, lanes: Lanes, result: StepResult, wanted: Array
-) -> tuple[Array, Array, Array]:
-    """(lanes, times [tau] since the start of their step, heights y) of the turning
-    points in this step. A lane has at most one, and only where a is below 1 (Lemmas 3
-    and 4). A body whose weight varies has as many as its series, in the order of lanes
-    and times.
-    """
-    wanted = wanted & ~result.step.supercritical
-    if segments.weighed is not None:
-        return _turns_of_series(lanes, result, wanted)
-    low, high = result.step.subcritical.copy(), result.reach.copy()
-
-    # The body moves outwards where the subcritical window begins ...
-    outwards = wanted & ((result.step.subcritical > 0.0) | (lanes.v > 0.0))
-    # ... or turns outwards inside it, while the drive still falls (Lemma 4).
-    at, turned = _turns_outwards(segments, lanes, result, wanted & ~outwards)
-    outwards[at], low[at] = True, turned
-
-    # Lemma 3: exactly one peak if it moves inwards at the end, or hits the ground.
-    certain = outwards & (result.hit | (result.end.v <= 0.0))
-    # Lemma 4: y' > 0 at both ends, and a peak and a trough between them.
-    at, falls = _falls_again(segments, lanes, result, outwards & ~certain)
-    certain[at], high[at] = True, falls
-
-    at = np.flatnonzero(certain)
-    low, high = low[at], high[at]
-    if not at.size:
-        return at, low, low
-    return at, *turning_point(result.arc.take(at), low, high, 0.5 * (low + high), 1.0)
-
-
-def _turns_of_series(
-    lanes: Lanes, result: StepResult, wanted: Array
-) -> tuple[Array, Array, Array]:
-    """As `turning_points`, of bodies whose weight varies: all turns of their series."""
-    arc = result.arc
-    assert isinstance(arc, TaylorSeries)
-    assert result.chord_errors is not None
-    v = np.where(result.hit, result.impact_v, result.end.v)
-
-    # No turn where y' keeps its sign, one at most where it is monotone; otherwise the
-    # Bernstein coefficients of y' isolate the turns.
-    kept, monotone = sense(arc, result.step.h, result.end, result.chord_errors)
-    open_ = wanted & ~kept
-    once = open_ & monotone & (lanes.v > 0.0) & (v <= 0.0)
-    several = np.flatnonzero(open_ & ~monotone)
-    at, low, high = falls_through_zero(arc, result.reach, several, np.flatnonzero(once))
-    if not at.size:
-        return at, low, high
-
-    # The first guess is the root of the chord of y' if this is the only turn.
-    chord = high * (lanes.v[at] / (lanes.v[at] - np.minimum(v[at], 0.0)))
-    guess = np.where(high - low == result.reach[at], chord, 0.5 * (low + high))
-    return at, *turning_point(arc.take(at), low, high, guess, 1.0)
-
-
-def _turns_outwards(
-    segments: Segments, lanes: Lanes, result: StepResult, inwards: Array
-) -> tuple[Array, Array]:
-    """(those of the lanes that enter `inwards` and turn outwards while the drive still
-    falls, a time at which they move outwards). There y' is concave, so it is not above
-    its tangent.
-    """
-    slope = _slope(lanes.force, lanes.v, -result.arc.damping)  # lanes carry the force
-    at = np.flatnonzero(inwards & (slope > 0.0))
-    if not at.size:
-        return at, np.zeros(0)
-    # The tangent at the start proves for most lanes that y' stays negative until the
-    # drive rises again.
-    bottom = np.minimum(_bottom(segments, lanes, result, at), result.reach[at])
-    above = lanes.v[at] + slope[at] * bottom > 0.0
-    at, bottom = at[above], bottom[above]
-    turned = hidden_turn(result.arc.take(at), np.zeros(at.size), bottom, -1.0)
-    found = np.isfinite(turned)
-    return at[found], turned[found]
-
-
-def _falls_again(
-    segments: Segments, lanes: Lanes, result: StepResult, outwards: Array
-) -> tuple[Array, Array]:
-    """(those of the lanes with y' > 0 at both ends that fall in between, a time at
-    which they do).
-
-    A peak and a trough may hide where the drive rises again, and then b > 0 at the end.
-    There y' is convex: its tangent at the end may prove at once that it never falls
-    below zero.
-    """
-    step, end = result.step, result.end
-    slope = _slope(end.b, end.v, result.arc.damping)
-    tangent = slope * (step.h - step.subcritical)
-    at = np.flatnonzero(outwards & (slope > 0.0) & (tangent > _SAFE_SHARE * end.v))
-    if not at.size:
-        return at, np.zeros(0)
-    falls = _falling_again(segments, lanes, result, at)
-    found = np.isfinite(falls)
-    return at[found], falls[found]
-
-
-def _slope(b: Array, v: Array, damping: float) -> Array:
-    """Derivative of exp(zeta tau) y' over exp(zeta tau): y'' + zeta y' = f - zeta y'.
-    Where b is f, damping is -zeta.
-    """
-    return b + damping * v if damping else b
-
-
-def _bottom(segments: Segments, lanes: Lanes, result: StepResult, at: Array) -> Array:
-    """The time [tau] for which the drive falls in these steps: until their last segment
-    begins; 0 where the drive only rises.
-    """
-    k, u = lanes.segment[at], lanes.phase[at]
-    to_k, to_u = result.step.segment[at], result.step.phase[at]
-    to_k = np.where(to_u > 0.0, to_k, to_k - 1)
-    # True where the whole step lies in one falling segment
-    inside = -lanes.side[at] * (segments.s_end[k] - segments.s_start[k]) < 0.0
-    bottom = (
-        phase_between(segments, k, u, np.maximum(k, to_k), np.zeros(at.size))
-        / lanes.omega[at]
-    )
-    return np.where(to_k > k, bottom, np.where(inside, result.step.h[at], 0.0))
-
-
-def _falling_again(
-    segments: Segments, lanes: Lanes, result: StepResult, at: Array
-) -> Array:
-    """A time with y' < 0 inside steps that begin and end with y' > 0, NaN where there
-    is none.
-    """
-    subcritical, h = result.step.subcritical[at], result.step.h[at]
-    bottom = np.clip(_bottom(segments, lanes, result, at), subcritical, h)
-    arc = result.arc.take(at)
-    # While the drive falls y' < 0 is concave, so it stays negative to this instant.
-    # Afterwards y' > 0 is convex, and dips only if it still falls here.
-    middle = arc.at(bottom)
-    found = np.where(middle.v < 0.0, bottom, np.nan)
-    hidden = np.flatnonzero(
-        (middle.v >= 0.0) & (_slope(middle.b, middle.v, arc.damping) < 0.0)
-    )
-    if hidden.size:
-        found[hidden] = hidden_turn(arc.take(hidden), bottom[hidden], h[hidden], 1.0)
+def _last_terms(terms: Array) -> Array:
+    """The last two terms of h y', which bound what is left out."""
+    n = len(terms) - 1
+    found: Array = n * np.abs(terms[n]) + (n - 1.0) * np.abs(terms[n - 1])
     return found
+
+
+@lru_cache(maxsize=64)
+def _degrees(count: int) -> Array:
+    return np.arange(float(count))[:, None]
+
+
+def one_turn(terms: Array) -> Turns:
+    """The longest part of steps, of which `terms` are the series of y, that is proved
+    to have one turn at most.
+    """
+    speeds = bernstein_form(terms[1:] * _degrees(len(terms))[1:])
+    positive = _signs(speeds)
+    changes = _sign_changes(positive)
+    share = np.ones(changes.size)
+    several = np.flatnonzero(changes > 1)
+    for _ in range(_HALVINGS if several.size else 0):
+        share[several] *= 0.5
+        part = terms.take(several, axis=1) * powers(share[several], len(terms))
+        part = bernstein_form(part[1:] * _degrees(len(terms))[1:])
+        speeds[:, several], positive[:, several] = part, _signs(part)
+        changes[several] = more = _sign_changes(positive.take(several, axis=1))
+        several = several[more > 1]
+        if not several.size:
+            break
+    turns = changes > 0
+    guess, at = np.ones(changes.size), np.flatnonzero(turns)
+    if at.size:
+        guess[at] = turn_guess(speeds.take(at, axis=1), positive.take(at, axis=1))
+    rates = np.abs(np.diff(speeds, axis=0)).max(axis=0) * (len(speeds) - 1.0)
+    return Turns(share, positive[0], turns, guess, np.abs(speeds).max(axis=0), rates)
+
+
+def _signs(speeds: Array) -> Array:
+    """True where Bernstein coefficients are not negative. A body that does not move at
+    the start has the sign of its motion after it.
+    """
+    positive = speeds >= 0.0
+    still = np.flatnonzero(speeds[0] == 0.0)
+    positive[0, still] = positive[1, still]
+    return positive
+
+
+def _sign_changes(positive: Array) -> Array:
+    changes: Array = np.add.reduce(
+        (positive[1:] != positive[:-1]).view(np.int8), axis=0, dtype=np.int8
+    )
+    return changes
+
+
+def one_turn_of_lines(terms: Array) -> Turns:
+    """As `one_turn`, for the short steps of records: the chords of y' and of y'' prove
+    it for nearly all of them.
+    """
+    count = len(terms)
+    speed, rate = _chord_errors(count)
+    start, bend = terms[1], 2.0 * terms[2]
+    end, end_bend = start + bend, bend.copy()
+    size = np.zeros((2, start.size))
+    for n in range(3, count):
+        end += n * terms[n]
+        end_bend += n * (n - 1.0) * terms[n]
+        part = np.abs(terms[n])
+        size[0] += speed[n - 3] * part
+        size[1] += rate[n - 3] * part
+    # y' and y'' leave the chords between their ends by no more than `size`.
+    bends = np.minimum(np.abs(bend), np.abs(end_bend)) > size[1]
+    monotone = bends & ((bend > 0.0) == (end_bend > 0.0))
+    at_once = np.where(bend == 0.0, terms[3], bend)
+    outward = np.where(start == 0.0, at_once, start) >= 0.0
+    outward_end = end >= 0.0
+    kept = np.minimum(np.abs(start), np.abs(end)) > size[0]
+    kept &= outward == outward_end
+    turns = outward != outward_end
+    with np.errstate(all="ignore"):
+        guess = np.where(turns, np.clip(start / (start - end), 1e-3, 1.0), 1.0)
+    one = Turns(
+        np.ones(start.size),
+        outward,
+        turns,
+        guess,
+        np.maximum(np.abs(start), np.abs(end)) + size[0],
+        np.maximum(np.abs(bend), np.abs(end_bend)) + size[1],
+    )
+    doubtful = np.flatnonzero(~(kept | monotone))
+    if doubtful.size:
+        # As many terms as the longest series has: no digit may depend on the others.
+        own = np.zeros((MOST_TERMS + 1, doubtful.size))
+        own[:count] = terms.take(doubtful, axis=1)
+        for whole, part in zip(one, one_turn(own), strict=True):
+            whole[doubtful] = part
+    return one
+
+
+@lru_cache(maxsize=64)
+def _chord_errors(count: int) -> tuple[list[float], list[float]]:
+    """For n from 3: n times the maximum of t - t^(n - 1) on [0, 1], and n (n - 1) times
+    that of t - t^(n - 2).
+    """
+    n = np.arange(3.0, count)
+    m = np.maximum(np.array([n - 1.0, n - 2.0]), 1.0 + 1e-9)
+    errors = np.array([n, n * (n - 1.0)]) * m ** (-1.0 / (m - 1.0)) * (1.0 - 1.0 / m)
+    return errors[0].tolist(), errors[1].tolist()

@@ -1,15 +1,15 @@
 """The march: cells (A, Omega, eta) under one motion, advanced arc by arc in a pool of
 lanes. Lanes that finish hand in their result and new cells take their places. It skips
-cells that never leave the ground, times of rest, and lanes whose outcome a closing
-proves.
+cells that never leave the ground, times of rest, and lanes whose outcome is proved.
 """
 
 import ctypes
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from contextlib import suppress
+from dataclasses import dataclass
 from functools import cache
-from typing import NamedTuple, TypeVar
+from typing import TypeVar
 
 import numpy as np
 
@@ -17,13 +17,19 @@ from ..batch import Batch
 from ..condition import at_free_peak, moved, slope_between, through_impact
 from ..contacts.sequences import STILL
 from ..drive import place
+from ..equations.equation import Equation
 from ..lanes import Array, Lanes
 from ..observers.observer import Arcs, Observer
 from ..outcome import FALLEN, Outcome, Work
-from .advance import StepResult, advance, turning_points
-from .closings import FREE_MOTION, Closed, Closing, closings_of, free_motion
+from .advance import StepResult, advance
+from .proofs import FREE_MOTION, LaneProof, Proved, free_motion, proofs_of
 
-AnyLanes = TypeVar("AnyLanes", bound=Lanes)
+# lanes that are advanced together: fewer rounds against arrays that no longer fit the
+# caches
+_POOL, _POOL_OF_LINES = 4096, 16384
+
+# The error of a step is at most so many times its last terms, and a rounding.
+_SAFETY, _ROUNDING = 3.0, 1e-15
 
 _TRIM_THRESHOLD, _MMAP_THRESHOLD = -1, -3  # parameters of mallopt(3)
 _BLOCK = 32 << 20  # bytes, the largest that it takes
@@ -41,32 +47,14 @@ def keep_freed_memory() -> None:
             mallopt(_TRIM_THRESHOLD, 2 * _BLOCK)
 
 
-def by_windows(run: "Run", waiting: Array) -> None:
-    """March these cells of a run, (cells,) indices, to their end, from window to window
-    of the drive (`advance`).
-    """
-    lanes, taken = run.start(waiting[:0]), 0
-    with np.errstate(all="ignore"):
-        while taken < waiting.size or lanes.cell.size:
-            room = run.pool - lanes.cell.size
-            if room > 0 and taken < waiting.size:
-                lanes = lanes.join(
-                    run.end_free_fall(run.start(waiting[taken : taken + room]))
-                )
-                taken += room
-            lanes = run.round(lanes)
+AnyLanes = TypeVar("AnyLanes", bound=Lanes)
 
 
-class RoundEnds(NamedTuple):
-    """What the steps of a round end with. Every array is (lanes,); a lane has one of
-    the three ends at most.
-    """
+@dataclass
+class PooledLanes(Lanes):
+    """Lanes in the pool."""
 
-    segment: Array  # segment of the end of the step; their number after the motion
-    phase: Array  # phase of the end in its segment [rad]
-    failed: Array  # True if the march of the lane fails
-    shaken: Array  # True if an undamped lane is in the air when the shaking ends
-    over: Array  # True if the lane has overturned, or will for certain (Lemma 6)
+    slot: Array  # place of the lane in the pool, (lanes,)
 
 
 class Run:
@@ -77,9 +65,10 @@ class Run:
     ) -> None:
         keep_freed_memory()
         self.batch = batch
-        self.pool = pool or batch.equation.pool  # lanes that are advanced together
+        lines = batch.segments.straight
+        self.pool = pool or (_POOL_OF_LINES if lines else _POOL)
         self.observers = list(observers)  # objects that see the motion of the lanes
-        self.closings, self.after_rest = closings_of(batch, bool(observers))
+        self.proofs, self.after_rest = proofs_of(batch, bool(observers))
         # results so far, as in `Response`, (cells,)
         self.theta_ratio = np.full(batch.size, 0.0 if batch.peaks else np.nan)
         self.outcome = np.full(batch.size, Outcome.NO_UPLIFT, dtype=np.uint8)
@@ -92,15 +81,54 @@ class Run:
         if batch.free_fall is not None:
             self._lose_contact(np.flatnonzero(batch.free_fall.occurs))
 
-    def all(self, march: Callable[["Run", Array], None] = by_windows) -> None:
-        """Run every cell to its end, once. march: function that runs those cells to
-        their end that leave the ground.
-        """
+    def all(self, cells: Array | None = None) -> None:
+        """Run every cell, or these cells, to its end, once."""
         batch = self.batch
         lifts = batch.contact.strongest(batch.cells, batch.segments, batch.first) > 1.0
-        waiting, still = np.flatnonzero(lifts), np.flatnonzero(~lifts)
-        self.work.no_uplift += still.size
-        march(self, waiting)
+        if cells is not None:
+            lifts &= np.isin(np.arange(batch.size), cells)
+        waiting = np.flatnonzero(lifts)
+        self.work.no_uplift += lifts.size - waiting.size
+        # Under a record cells with about the same time between samples go together.
+        # Else bodies that are hardly lifted, and may bounce for long, begin first: so
+        # the last rounds have few lanes.
+        order = (
+            -batch.cells.omega[0, waiting]
+            if batch.segments.straight
+            else batch.cells.amplitude[:, waiting].max(axis=0)
+        )
+        with np.errstate(all="ignore"):
+            self._march(waiting[np.argsort(order, kind="stable")])
+
+    def _march(self, waiting: Array) -> None:
+        """March these cells, (cells,) indices, to their end."""
+        lanes, taken = self._begin(waiting[: self.pool]), self.pool
+        ready = lanes.take(slice(0))  # lanes at their first uplift, without a place
+        while lanes.cell.size or taken < waiting.size:
+            free = np.flatnonzero(self.round(lanes))
+            while free.size and (ready.cell.size or taken < waiting.size):
+                if not ready.cell.size:
+                    ready = self._begin(waiting[taken : taken + self.pool])
+                    taken += self.pool
+                some, ready = (
+                    ready.take(slice(free.size)),
+                    ready.take(slice(free.size, None)),
+                )
+                some.slot, free = free[: some.slot.size], free[some.slot.size :]
+                lanes.put(some.slot, some)
+            if free.size:  # no more cells
+                lanes = lanes.take(np.delete(np.arange(lanes.cell.size), free))
+                lanes.slot = np.arange(lanes.cell.size)
+
+    def _begin(self, cell: Array) -> PooledLanes:
+        """Return lanes for these cells at their first uplift, without those that the
+        ground has fallen away from before.
+        """
+        lanes = self.end_free_fall(self.start(cell))
+        lanes.segment, lanes.phase = place(
+            self.batch.segments, lanes.segment, lanes.phase
+        )
+        return lanes.extended(PooledLanes, slot=np.arange(lanes.cell.size))
 
     def start(self, cell: Array) -> Lanes:
         """Return lanes for these cells, at their first uplift from rest; the segment is
@@ -129,147 +157,128 @@ class Run:
             moments=np.zeros((4, size)),
         )
 
-    def round(self, lanes: AnyLanes) -> AnyLanes:
-        """Take one step of every lane; returns the lanes that are not finished."""
-        batch = self.batch
+    def round(self, lanes: PooledLanes) -> Array:
+        """Take one step of every lane, in place; returns True for lanes that have
+        ended.
+        """
+        batch, seg = self.batch, self.batch.segments
         lanes.steps += 1
         until = np.inf if batch.free_fall is None else batch.free_fall.time_left(lanes)
         equation = batch.equation.on(lanes.side, lanes.cell)
-        result = advance(batch.segments, lanes, equation, until)
-        self.work.impacts += int(result.hit.sum())
-        self.work.steps += result.hit.size
+        step = advance(seg, lanes, equation, until)
+        self.work.impacts += int(np.count_nonzero(step.hit))
+        self.work.steps += step.hit.size
 
-        # Peaks come before results: a body that has lain on its side on the way has
-        # overturned, even if it ends lower.
-        ends = self._ends(lanes, result)
-        before, slope = lanes.moments[:3], np.zeros(0)
+        # The order decides: a lane that fails has no other end, and a body that has
+        # lain on its side on the way has overturned, even if it ends lower.
+        ended = ~(np.isfinite(step.end.y) & np.isfinite(step.reach))
+        ended |= lanes.steps > batch.most_steps
+        self.finish(lanes, np.flatnonzero(ended), Outcome.FAILED, np.nan)
+        fallen = np.flatnonzero((step.top >= equation.limit) & ~ended)
+        self.overturn(lanes, fallen)
+        ended[fallen] = True
         if batch.peaks:
-            ends_y = np.where(result.hit, 0.0, result.end.y)
-            ends_v = np.where(result.hit, result.impact_v, result.end.v)
-            found = slope_between(
-                equation, (lanes.y, lanes.v), (ends_y, ends_v), result.reach
-            )
-            slope = np.broadcast_to(found, result.reach.shape)
-            lanes.moments = np.concatenate(
-                [
-                    moved(before, result.reach, slope, equation.damping),
-                    lanes.moments[3:],
-                ]
-            )
-        last = self._in_the_air(lanes, result, ends, np.flatnonzero(ends.shaken))
-        free = free_motion(batch, last)
-        if batch.peaks:
-            self._raise_peaks(lanes, result, ends, free.outcome, before, slope)
+            self._carry_errors(lanes, step, equation)
+        np.maximum(lanes.peak, step.top, out=lanes.peak)
         if self.observers:
-            self._show(lanes, result, np.flatnonzero(~(ends.failed | ends.over)))
+            self._show(lanes, step, np.flatnonzero(~ended))
 
-        # Store the results of the lanes that end; `_go_on` takes them out of the pool.
-        self.finish(lanes, np.flatnonzero(ends.failed), Outcome.FAILED, np.nan)
-        last.peak = lanes.peak[ends.shaken]
-        last.moments[3] = lanes.moments[3, ends.shaken]
-        peak = np.maximum(last.peak, free.peak)
-        self._end(FREE_MOTION, last, free._replace(peak=peak))
-        self.overturn(lanes, np.flatnonzero(ends.over))
-        return self._go_on(lanes, result, ends)
+        landed = np.flatnonzero(step.hit & ~ended)
+        some = lanes.take(landed)
+        air = ~(ended | step.hit)
+        self._into_the_air(lanes, step)
+        ended[landed] = True
+        if landed.size:
+            going = self._after_impact(
+                some,
+                step.reach[landed],
+                step.impact_v[landed],
+                step.impact_force[landed],
+            )
+            lanes.put(going.slot, going)
+            ended[going.slot] = False
+        self._end_in_the_air(lanes, equation, air, ended)
+        if batch.free_fall is not None:
+            here = np.flatnonzero(~ended)
+            ended[here] = True
+            ended[self.end_free_fall(lanes.take(here)).slot] = False
+        return ended
 
-    def _ends(self, lanes: Lanes, result: StepResult) -> RoundEnds:
-        """Return what the steps end with. The order decides: a lane that fails has no
-        other end, an impact comes before the end of the shaking, and that before
-        overturning.
+    def _carry_errors(self, lanes: Lanes, step: StepResult, equation: Equation) -> None:
+        """Carry the moments of the errors to the ends of the steps, and to their peaks
+        where these are the largest so far.
         """
-        batch, seg = self.batch, self.batch.segments
-        end, hit = result.end, result.hit
-        k, u = place(seg, result.step.segment, result.step.phase)
+        y, v = np.where(step.hit, 0.0, step.end.y), step.end.v.copy()
+        np.copyto(v, step.impact_v, where=step.hit)
+        ends, h = ((lanes.y, lanes.v), (y, v)), step.reach
+        slope = np.broadcast_to(slope_between(equation, *ends, h), h.shape)
+        error = (_SAFETY * step.error + _ROUNDING) / equation.stated
+        at = np.flatnonzero(step.top >= lanes.peak)
+        if at.size:
+            before = lanes.moments.take(at, axis=1)
+            moment = moved(
+                before, step.top_at[at], slope[at], equation.damping, error[at]
+            )[0]
+            self._keep_moment(lanes, at, step.top[at], moment)
+        lanes.moments[:3] = moved(lanes.moments, h, slope, equation.damping, error)
 
-        failed = ~(np.isfinite(end.y) & np.isfinite(result.reach))
-        failed |= lanes.steps > batch.most_steps
-
-        shaken = ~hit & ~failed & (k >= len(seg))
-        if batch.equation.damping:  # a damped lane should have settled before
-            failed, shaken = failed | shaken, np.zeros(hit.shape, dtype=bool)
-
-        here = np.minimum(k, len(seg) - 1)
-        cannot_return = batch.cannot_return(lanes, slice(None), here, end.y, end.v)
-        over = ~hit & ~failed & ~shaken & cannot_return
-        return RoundEnds(k, u, failed, shaken, over)
-
-    def _raise_peaks(
-        self,
-        lanes: Lanes,
-        result: StepResult,
-        ends: RoundEnds,
-        free: Array | Outcome,
-        moments: Array,
-        slope: Array,
-    ) -> None:
-        """Take the turning points of the steps into the peaks of the lanes. free:
-        outcomes of the free motion of shaken lanes; moments, slope: of the lanes at the
-        start of the steps, and df/dy on them.
+    def _keep_moment(self, lanes: Lanes, at: Array, y: Array, moment: Array) -> None:
+        """Store the second moment of |theta|/alpha at peaks y of the lanes `at`, from
+        that of y.
         """
-        # Peaks are reported for bodies that stand only.
-        wanted = ~(ends.failed | ends.over)
-        wanted[np.flatnonzero(ends.shaken)[free != Outcome.ROCKED]] = False
-        at, h, y = turning_points(self.batch.segments, lanes, result, wanted)
-        higher = y >= lanes.peak[at]
-        on, h = at[higher], h[higher]
-        lanes.moments[3, on] = self._of_rotation(
-            lanes,
-            on,
-            y[higher],
-            moved(moments[:, on], h, slope[on], result.arc.damping)[0],
-        )
-        np.maximum.at(lanes.peak, at, y)  # a lane may have several turning points
-        limit = self.batch.equation.on(lanes.side, lanes.cell).limit
-        fallen = at[y >= np.broadcast_to(limit, wanted.shape)[at]]
-        ends.over[fallen] = ~ends.failed[fallen]
-
-    def _of_rotation(self, lanes: Lanes, at: Array, y: Array, moment: Array) -> Array:
-        """The second moment of |theta|/alpha from that of y of the lanes `at`."""
         equation = self.batch.equation.on(lanes.side[at], lanes.cell[at])
-        rate: Array = equation.rotation_rate(y, np.ones(at.size))
-        return rate * rate * moment
+        rate = equation.rotation_rate(y, np.ones(at.size))
+        lanes.moments[3, at] = rate * rate * moment
 
-    def _show(self, lanes: Lanes, result: StepResult, wanted: Array) -> None:
+    def _show(self, lanes: Lanes, step: StepResult, wanted: Array) -> None:
         """Show the steps to the observers; wanted: indices of lanes that are still
         open.
         """
-        end, hit = result.end, result.hit
-        y, v = np.where(hit, 0.0, end.y), np.where(hit, result.impact_v, end.v)
-        force = np.where(hit, result.impact_force, result.force)
-        arcs = Arcs(lanes, result.arc, result.reach, y, v, force, wanted)
+        end, hit, arc = step.end, step.hit, step.arc
+        y, v = np.where(hit, 0.0, end.y), np.where(hit, step.impact_v, end.v)
+        force = np.where(hit, step.impact_force, end.b + 2.0 * arc.damping * end.v)
+        arcs = Arcs(lanes, arc, step.reach, y, v, force, wanted, step.fastest)
         for observer in self.observers:
             observer.arcs(arcs)
 
-    def _go_on(self, lanes: AnyLanes, result: StepResult, ends: RoundEnds) -> AnyLanes:
-        """Return the lanes after their steps that are not finished."""
-        going = ~(ends.failed | ends.over | ends.shaken)
-        flying = np.flatnonzero(going & ~result.hit)
-        in_air = self._in_the_air(lanes, result, ends, flying)
-        for closing in self.closings if self.batch.equation.damping else ():
-            in_air = self._close(closing, in_air) if closing.still else in_air
-        landed = np.flatnonzero(going & result.hit)
-        after_impact = self._after_impact(
-            lanes.take(landed),
-            result.reach[landed],
-            result.impact_v[landed],
-            result.impact_force[landed],
-        )
-        return self.end_free_fall(in_air.join(after_impact))
-
-    def _in_the_air(
-        self, lanes: AnyLanes, result: StepResult, ends: RoundEnds, at: Array
-    ) -> AnyLanes:
-        """Return the lanes `at`, which reached the end of their step in the air, with
-        their new state.
+    def _into_the_air(self, lanes: Lanes, step: StepResult) -> None:
+        """Give every lane the state at the end of its step; those that strike the
+        ground are replaced.
         """
-        lanes = lanes.take(at)
-        lanes.segment, lanes.phase = ends.segment[at], ends.phase[at]
-        lanes.y, lanes.v = result.end.y[at], result.end.v[at]
-        lanes.force = result.force[at]
-        self._renew_forces(lanes)
-        return lanes
+        seg, k, u = self.batch.segments, lanes.segment, lanes.phase
+        u += lanes.omega * step.reach
+        over = np.flatnonzero(step.whole)
+        k[over], u[over] = seg.after_piece(k[over]), 0.0
+        lanes.segment, lanes.phase = place(seg, k, u)
+        lanes.y, lanes.v = step.end.y, step.end.v
+        lanes.force[:] = np.nan
 
-    def _after_impact(self, lanes: AnyLanes, h: Array, v: Array, b: Array) -> AnyLanes:
+    def _end_in_the_air(
+        self, lanes: PooledLanes, equation: Equation, air: Array, ended: Array
+    ) -> None:
+        """Finish lanes in the air that have ended, and set `ended` for them."""
+        batch = self.batch
+        still = np.flatnonzero(air & (lanes.segment >= batch.shaken))
+        if batch.equation.damping and still.size:
+            some = lanes.take(still)
+            for proof in self.proofs:
+                some = self._prove(proof, some)
+            lanes.put(some.slot, some)
+            ended[still] = True
+            ended[some.slot] = False
+        elif still.size:
+            self.end_shaking(lanes.take(still))
+            ended[still] = True
+        maybe = equation.may_overturn(lanes.y, lanes.v)
+        at = np.flatnonzero(maybe & air & ~ended)
+        k = lanes.segment[at]
+        at = at[batch.cannot_return(lanes, at, k, lanes.y[at], lanes.v[at])]
+        self.overturn(lanes, at)
+        ended[at] = True
+
+    def _after_impact(
+        self, lanes: PooledLanes, h: Array, v: Array, b: Array
+    ) -> PooledLanes:
         """Return the lanes after impacts h [tau] from now, with velocity v <= 0 and
         force b, without those that the impact finishes.
         """
@@ -294,14 +303,14 @@ class Run:
         self._renew_forces(lanes)
         if batch.equation.damping:
             self.bounced[lanes.cell[lanes.segment >= batch.shaken]] = True
-        for closing in self.closings:
-            lanes = self._close(closing, lanes)
+        for proof in self.proofs:
+            lanes = self._prove(proof, lanes)
         lanes = self._rest(lanes)
-        for closing in self.after_rest:
-            lanes = self._close(closing, lanes)
+        for proof in self.after_rest:
+            lanes = self._prove(proof, lanes)
         return lanes
 
-    def _rest(self, lanes: AnyLanes) -> AnyLanes:
+    def _rest(self, lanes: PooledLanes) -> PooledLanes:
         """Take bodies whose sequence of impacts ends in rest to their next uplift, or
         finish them.
         """
@@ -347,51 +356,47 @@ class Run:
         """
         self._end(FREE_MOTION, lanes, free_motion(self.batch, lanes))
 
-    def _close(self, closing: Closing, lanes: AnyLanes) -> AnyLanes:
-        """Finish the lanes that the closing closes; returns the other lanes."""
-        closed = closing.closes(self.batch, lanes)
-        if closed.at.size:
-            ended = self._end(closing, lanes, closed)
+    def _prove(self, proof: LaneProof, lanes: AnyLanes) -> AnyLanes:
+        """Finish the lanes whose outcome is proved; returns the other lanes."""
+        proved = proof.proves(self.batch, lanes)
+        if proved.at.size:
+            ended = self._end(proof, lanes, proved)
             lanes = lanes.take(np.delete(np.arange(lanes.segment.size), ended))
         return lanes
 
-    def _end(self, closing: Closing, lanes: Lanes, closed: Closed) -> Array:
-        """Finish closed lanes, except lanes that an observer still has to see; returns
+    def _end(self, proof: LaneProof, lanes: Lanes, proved: Proved) -> Array:
+        """Finish proved lanes, except those that an observer still has to see; returns
         the indices of the finished lanes.
         """
-        at, outcome, peak = closed
-        if closing.still and self.batch.equation.damping:
+        at, outcome, peak = proved
+        if proof.still and self.batch.equation.damping:
             for observer in self.observers:
                 kept = observer.may_settle(lanes.take(at), self.bounced)
                 at, peak = at[kept], np.asarray(peak)[kept]
-        elif closing.still:
+        elif proof.still:
             upright = lanes.take(at[outcome == Outcome.ROCKED])
             for observer in self.observers:
                 observer.free(upright)
-        if closing.still and self.batch.peaks:
-            self._free_peaks(lanes, at, peak)
+        if proof.still and self.batch.peaks:
+            self._keep_free_peaks(lanes, at, np.broadcast_to(peak, at.shape))
         self.finish(lanes, at, outcome, peak)
-        if closing.counts:
-            setattr(
-                self.work, closing.counts, getattr(self.work, closing.counts) + at.size
-            )
+        if proof.counts:
+            setattr(self.work, proof.counts, getattr(self.work, proof.counts) + at.size)
         return at
 
-    def _free_peaks(self, lanes: Lanes, at: Array, peak: Array | float) -> None:
+    def _keep_free_peaks(self, lanes: Lanes, at: Array, peak: Array) -> None:
         """Take the peaks of free motions into the moments of the lanes `at`."""
-        batch = self.batch
-        free = np.flatnonzero(np.broadcast_to(peak, at.shape) > lanes.peak[at])
-        at = at[free]
+        batch, higher = self.batch, np.flatnonzero(peak > lanes.peak[at])
+        at = at[higher]
         if not at.size:
             return
 
         def peak_of(y: Array, v: Array) -> Array:
             return batch.contact.free_motion(batch.equation, lanes, at, y, v).peak
 
-        y, v = lanes.y[at], lanes.v[at]
-        moment = at_free_peak(lanes.moments[:3, at], y, v, peak_of)
-        top = np.broadcast_to(peak, free.shape) if np.ndim(peak) == 0 else peak[free]
-        lanes.moments[3, at] = self._of_rotation(lanes, at, np.asarray(top), moment)
+        moments = lanes.moments[:3].take(at, axis=1)
+        moment = at_free_peak(moments, lanes.y[at], lanes.v[at], peak_of)
+        self._keep_moment(lanes, at, peak[higher], moment)
 
     def overturn(self, lanes: Lanes, at: Array) -> None:
         """Finish the lanes `at` as overturned."""

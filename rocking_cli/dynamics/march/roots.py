@@ -1,8 +1,5 @@
-"""Roots on an arc: impact times and peaks inside brackets that hold exactly one root,
-as `advance` proves, and brackets for the turning points of a series. Each lane iterates
-by itself, so that its digits do not depend on its neighbours. Bernstein coefficients of
-y' isolate its roots in (0, 1): their number equals the number of sign changes of the
-coefficients, or is less by an even number.
+"""Roots in steps that hold exactly one, as `advance` proves: impact times and turning
+points. Each lane iterates by itself; no digit depends on its neighbours.
 """
 
 from functools import lru_cache
@@ -10,252 +7,19 @@ from math import comb
 
 import numpy as np
 
-from ...motions.blocks import blocks
-from ..equations.equation import Flow, Point
-from ..equations.taylor import CACHED, TaylorSeries, powers
+from ..equations.taylor import powers, product
 from ..lanes import Array
 
-# two turns closer than 1e-12 of a step are ignored: y differs between them by less than
-# rounding
-_HALVINGS = 40
-# a Halley step this short, over every scale of the arc: the Taylor series of y then
-# errs by its fourth power over 24
-_NEAR = 1e-3
-# a Householder step this short, over every scale of the arc, leaves an error of v of
-# the third power of the step
-_CLOSE = 3e-6
-# bisection alone would end in 64 for any bracket that a double can hold between 1e-3
-# and 1e3
-_ROUNDS = 200
-
-
-def impact_root(
-    arc: Flow, low: Array, high: Array, guess: Array
-) -> tuple[Array, Array]:
-    """First h with y(h) = 0 and the velocity there (not positive); NaN where it does
-    not converge. `low` is before the root (y > 0, or the arc's own start), `high` is at
-    it or after it (y <= 0), and y falls through the root. Fourth-order Householder
-    steps, a bisection where one leaves the bracket or starts on the rising side.
-    """
-    h_out, v_out = np.empty_like(low), np.empty_like(low)
-    lanes = np.arange(low.size)
-    low, high, h = low.copy(), high.copy(), guess.copy()
-    for _ in range(_ROUNDS if lanes.size else 0):
-        f = arc.at(h)
-        step = _householder_step(f)
-        target = h + step
-        after = f.y <= 0.0
-        # The step stays in the bracket, on the side of h where the root is.
-        inside = (f.v < 0.0) & (target > low) & (target <= high)
-        inside &= (target <= h) == after
-        exact = np.abs(step) <= 4e-16 * h
-        settled = inside & _is_close(f, h, step, arc.fastest)
-        settled |= exact & (f.v < 0.0)
-
-        # Few lanes go on: only their brackets are narrowed.
-        keep = np.flatnonzero(~settled)
-        low, high = _narrowed(low[keep], high[keep], h[keep], after[keep])
-        closed = high - low <= 4e-16 * high
-        if closed.any():
-            settled[keep[closed]] = True
-            keep, low, high = keep[~closed], low[~closed], high[~closed]
-
-        # Lanes that are done take their last step, and the velocity after it by the
-        # series about h.
-        if keep.size < settled.size:
-            done = np.flatnonzero(settled)
-            d = np.where(inside[done] | exact[done], step[done], 0.0)
-            h_out[lanes[done]] = h[done] + d
-            v_out[lanes[done]] = np.minimum(
-                0.0, f.v[done] + d * (f.b[done] + 0.5 * d * f.j[done])
-            )
-            if not keep.size:
-                break
-            arc, lanes = arc.take(keep), lanes[keep]
-        h = np.where(inside[keep], target[keep], 0.5 * (low + high))
-    else:
-        h_out[lanes] = np.nan
-    return h_out, v_out
-
-
-def _householder_step(f: Point) -> Array:
-    """The step of fourth order to the root of y, from y and its derivatives."""
-    with np.errstate(all="ignore"):
-        r, e = f.y / f.v, f.b / f.v
-        return -r * (1.0 - 0.5 * r * e) / (1.0 - r * e + r * r * f.j / (6.0 * f.v))
-
-
-def _is_close(f: Point, h: Array, step: Array, fastest: Array) -> Array:
-    """True where a step is short over every scale of the arc: over the time, over the
-    time of its fastest change, and over that in which its velocity changes.
-    """
-    size = np.abs(step)
-    return (
-        (size <= _CLOSE * h)
-        & (size * fastest <= _CLOSE)
-        & (size * np.abs(f.b) <= _CLOSE * np.abs(f.v))
-    )
-
-
-def _narrowed(low: Array, high: Array, h: Array, after: Array) -> tuple[Array, Array]:
-    """The brackets (low, high) cut at h; after: True where h is at the root or after
-    it.
-    """
-    return np.where(after, low, h), np.where(after, h, high)
-
-
-def turning_point(
-    arc: Flow, low: Array, high: Array, guess: Array, sense: float
-) -> tuple[Array, Array]:
-    """The h between `low` and `high` where sense * v falls through zero, and y there.
-    sense = +1 finds a peak (v goes from + to -), sense = -1 a minimum. Halley steps
-    with bisection as the safeguard; y at the turning point is taken to second order in
-    what is left, so a step of 1e-5 leaves 1e-16.
-    """
-    h_out, y_out = np.empty_like(low), np.empty_like(low)
-    lanes = np.arange(low.size)
-    low, high, h = low.copy(), high.copy(), guess.copy()
-    for _ in range(_ROUNDS if lanes.size else 0):
-        f = arc.at(h)
-        # Halley's step to the root of v, whose derivatives are b and j.
-        with np.errstate(all="ignore"):
-            step = -f.v / (f.b - 0.5 * f.v * f.j / f.b)
-        low, high = _narrowed(low, high, h, sense * f.v <= 0.0)
-        target = h + step
-        inside = (sense * f.b < 0.0) & (target >= low) & (target <= high)
-        # A lane is done if its step is short over every scale of the arc, or if the
-        # bracket is as narrow as rounding allows.
-        settled = (
-            inside
-            & (np.abs(step) * arc.fastest <= _NEAR)
-            & (np.abs(step * f.j) <= 1e-2 * np.abs(f.b))
-        )
-        settled &= np.abs(step) <= 3e-3 * h
-        settled |= high - low <= 4e-16 * high
-        if settled.any():
-            done = np.flatnonzero(settled)
-            # The last step is taken, and y follows by its Taylor series about h.
-            d = np.where(inside[done], step[done], 0.0)
-            h_out[lanes[done]] = h[done] + d
-            y_out[lanes[done]] = f.y[done] + d * (
-                f.v[done] + d * (0.5 * f.b[done] + d * f.j[done] / 6.0)
-            )
-            keep = np.flatnonzero(~settled)
-            if not keep.size:
-                break
-            arc, lanes = arc.take(keep), lanes[keep]
-            low = low[keep]
-            high = high[keep]
-            target = target[keep]
-            inside = inside[keep]
-        h = np.where(inside, target, 0.5 * (low + high))
-    else:
-        y_out[lanes] = np.nan
-    return h_out, y_out
-
-
-def hidden_turn(arc: Flow, low: Array, high: Array, sense: float) -> Array:
-    """A point with sense * v < 0 between two ends with sense * v >= 0, NaN if there is
-    none (Lemma 4). sense = +1 looks for a dip of v while the drive rises: v'' = v + a'
-    > 0 while v > 0, so v is convex there and the sign of its slope b tells on which
-    side its minimum lies. sense = -1 looks for the mirror image, a rise of v while the
-    drive falls.
-    """
-    found = np.full(low.shape, np.nan)
-    lanes = np.arange(low.size)
-    low, high = low.copy(), high.copy()
-    for _ in range(60):
-        if not lanes.size:
-            break
-        h = 0.5 * (low + high)
-        f = arc.at(h)
-        v = sense * f.v
-        b = sense * (f.b + arc.damping * f.v) if arc.damping else sense * f.b
-        # One point with v < 0 between the ends proves a pair of turns.
-        turns = v < 0.0
-        found[lanes[turns]] = h[turns]
-        # Convexity bounds v from below by its tangents: stop where they prove that v
-        # keeps its sign.
-        keep = np.flatnonzero(~turns & (v - np.abs(b) * (high - low) <= 0.0))
-        low, high = np.where(b < 0.0, h, low)[keep], np.where(b < 0.0, high, h)[keep]
-        arc, lanes = arc.take(keep), lanes[keep]
-    return found
-
-
-def sense(arc: Flow, h: Array, end: Point, chord_errors: Array) -> tuple[Array, Array]:
-    """(True if y' is proved to have no zero, True if y' is proved to be monotone) along
-    steps of length h, from the values at both ends and the chord errors `chord_errors`
-    (`TaylorSeries.at_with_chord_errors`).
-    """
-    # y' and y'' lie within their chord errors of the chords between the ends.
-    speed, rate = (
-        np.array([at_start * part, at_end * part])
-        for at_start, at_end, part in ((arc.v, end.v, h), (arc.b, end.b, h * h))
-    )
-    kept, monotone = (
-        (x.min(axis=0) > most) | (x.max(axis=0) < -most)
-        for x, most in zip((speed, rate), chord_errors, strict=True)
-    )
-    return kept, monotone
-
-
-def falls_through_zero(
-    arc: TaylorSeries, reach: Array, lanes: Array, once: Array
-) -> tuple[Array, Array, Array]:
-    """The instants on (0, reach) at which y' falls through zero: (lane, low, high) with
-    one instant in each bracket [tau]. once: lanes for which it is already known that
-    there is exactly one.
-    """
-    found: list[tuple[Array, Array, Array]] = [
-        (once, np.zeros(once.size), np.ones(once.size))
-    ]
-    own, low, high = lanes, np.zeros(lanes.size), np.ones(lanes.size)
-    bernstein = bernstein_form(_speeds(arc, reach, lanes))
-    for _ in range(_HALVINGS):
-        # One sign change, from + to -: the interval holds one peak and no other turn.
-        changes, falls = _sign_changes(bernstein)
-        one = np.flatnonzero((changes == 1) & falls)
-        found.append((own[one], low[one], high[one]))
-
-        # Several: both halves are looked at.
-        more = np.flatnonzero(changes > 1)
-        if not more.size:
-            break
-        middle = 0.5 * (low[more] + high[more])
-        bernstein = np.concatenate(_halves(bernstein[:, more]), axis=1)
-        own = np.concatenate([own[more], own[more]])
-        low = np.concatenate([low[more], middle])
-        high = np.concatenate([middle, high[more]])
-    which, low, high = (np.concatenate(parts) for parts in zip(*found, strict=True))
-    order = np.lexsort((low, which))
-    which, low, high = which[order], low[order], high[order]
-    return which, low * reach[which], high * reach[which]
-
-
-def _sign_changes(bernstein: Array) -> tuple[Array, Array]:
-    """(number of sign changes of the coefficients of each lane, True where they fall
-    through zero somewhere).
-    """
-    falls = (bernstein[:-1] > 0.0) & (bernstein[1:] <= 0.0)
-    rises = (bernstein[:-1] <= 0.0) & (bernstein[1:] > 0.0)
-    return falls.sum(axis=0) + rises.sum(axis=0), np.asarray(falls.any(axis=0))
-
-
-def _speeds(arc: TaylorSeries, reach: Array, lanes: Array) -> Array:
-    """`_speed` of these lanes over their reach, block by block."""
-    parts = [
-        _speed(arc.take(lanes[part]), reach[lanes[part]])
-        for part in blocks(lanes.size, CACHED)
-    ]
-    return np.concatenate([np.zeros((len(arc.terms) - 1, 0)), *parts], axis=1)
-
-
-def _speed(arc: TaylorSeries, span: Array) -> Array:
-    """Coefficients of span y' in powers of time over span, (terms, lanes)."""
-    terms = powers(span / arc.unit, len(arc.terms))
-    terms *= arc.terms
-    terms *= np.arange(float(len(terms)))[:, None]
-    return np.asarray(terms[1:])
+_NODES = 17  # points of a step at which an impact is looked for
+_NEAR = 6  # degree of the series about a guess
+# longest step of that series, over the time since the start, and error of the root over
+# the same time
+_MOST, _CLOSE = 0.03, 1e-14
+# the same at a turn: y is stationary there
+_MOST_TURN, _CLOSE_TURN = 0.2, 1e-8
+_SETTLED = 1e-12  # what Newton's last step may leave of the root, over the same time
+_ROUNDING = 4e-16  # over the first terms of y
+_ROUNDS = 80
 
 
 @lru_cache(maxsize=64)
@@ -269,22 +33,152 @@ def _from_powers(count: int) -> Array:
 
 
 def bernstein_form(terms: Array) -> Array:
-    """Bernstein coefficients on [0, 1] of polynomials, (terms, lanes). The order of
-    each sum does not depend on the other lanes.
+    """Bernstein coefficients on [0, 1] of polynomials, (terms, lanes)."""
+    return product(_from_powers(len(terms)), terms)
+
+
+@lru_cache(maxsize=64)
+def _nodes(count: int) -> Array:
+    """Rows: the values at equidistant points of a step, from the terms."""
+    return np.linspace(0.0, 1.0, _NODES)[:, None] ** np.arange(float(count))
+
+
+@lru_cache(maxsize=64)
+def _shift(count: int) -> Array:
+    """Rows k: binomials, which turn terms c_n s^n into the terms of a series about s in
+    powers of the relative change of s.
     """
-    if terms.shape[1] == 1:  # NumPy sums a single lane in another order
-        return bernstein_form(np.repeat(terms, 2, axis=1))[:, :1]
-    parts = [
-        np.einsum("in,nl->il", _from_powers(len(terms)), terms[:, block])
-        for block in blocks(terms.shape[1], CACHED)
-    ]
-    return np.concatenate([terms[:, :0], *parts], axis=1)
+    return np.array(
+        [[float(comb(n, k)) for n in range(count)] for k in range(_NEAR + 1)]
+    )
 
 
-def _halves(bernstein: Array) -> tuple[Array, Array]:
-    """Bernstein coefficients on the left half and on the right half (de Casteljau)."""
-    left, right, row = np.empty_like(bernstein), np.empty_like(bernstein), bernstein
-    for i in range(len(bernstein)):
-        left[i], right[-1 - i] = row[0], row[-1]
-        row = 0.5 * (row[:-1] + row[1:])
-    return left, right
+def turn_guess(speeds: Array, positive: Array) -> Array:
+    """A guess of the one zero of y' on (0, 1], where the polygon of its Bernstein
+    coefficients has its own; positive: True where they are not negative.
+    """
+    lanes = np.arange(speeds.shape[1])
+    same = np.count_nonzero(positive, axis=0)
+    j = np.where(positive[0], same, len(positive) - same)  # before the change of sign
+    a, b = speeds[j - 1, lanes], speeds[j, lanes]
+    found: Array = np.clip((j - 1.0 + a / (a - b)) / (len(positive) - 1.0), 1e-3, 1.0)
+    return found
+
+
+def fall_guess(terms: Array, after: Array | float = 0.0) -> tuple[Array, Array, Array]:
+    """(guess, low, high) of the one fall of y through zero on (after, 1], from its
+    values at equidistant points.
+    """
+    values = product(_nodes(len(terms)), terms)
+    values[0] = 1.0  # a start at the ground does not count
+    below = values <= 0.0
+    if np.any(after):
+        below &= np.linspace(0.0, 1.0, _NODES)[:, None] > after
+    below[-1] = True
+    j = below.argmax(axis=0)
+    lanes = np.arange(j.size)
+    high, low = values[j, lanes], values[j - 1, lanes]
+    low = np.where(j == 1, terms[0], low)
+    share = np.where(low > 0.0, low / (low - np.minimum(high, 0.0)), 0.5)
+    # a bounce from the ground within the first interval: a parabola
+    lasts = -terms[1] / terms[2] * (_NODES - 1)
+    lasts = np.where((lasts > 0.0) & (lasts < 1.0), lasts, 0.5)
+    share = np.where((j == 1) & (terms[0] <= 0.0), lasts, share)
+    width = 1.0 / (_NODES - 1)
+    base = (j - 1.0) * width
+    return base + np.clip(share, 1e-3, 1.0) * width, base, base + width
+
+
+def only_root(
+    terms: Array,
+    guess: Array,
+    low: Array | float = 0.0,
+    high: Array | float = 1.0,
+    *,
+    speed: bool,
+) -> Array:
+    """(s, y, dy/ds, d2y/ds2), (4, lanes), at the one root s of y on (low, high] that
+    falls through zero, or with `speed` of y'; NaN where it does not converge. s is in
+    units of the step, terms are those of y in powers of it. The third derivative is
+    given for impacts only.
+
+    The series about the guess, of degree 6, gives a Householder step of fourth order
+    and a step of Newton. A root that is too far away for that series is bracketed.
+    """
+    found = np.full((4, guess.size), np.nan)
+    lanes, s = np.arange(guess.size), guess
+    low, high = np.broadcast_to(low, s.shape), np.broadcast_to(high, s.shape)
+    table = _shift(len(terms))
+    most, close = (_MOST_TURN, _CLOSE_TURN) if speed else (_MOST, _CLOSE)
+    settled = max(close, _SETTLED)
+    for _ in range(_ROUNDS):
+        near = powers(s, len(terms))
+        near *= terms
+        q = product(table, near)  # terms of y in powers of r = (s' - s)/s
+        r, slope, value, off = _step(q, speed)
+        size = np.abs(r)
+        left_out = np.abs(q[_NEAR]) * size
+        left_out += np.abs(q[_NEAR - 1])
+        left_out *= size ** (_NEAR - 1 - speed)
+        good = (size < most) & (left_out <= close * np.abs(slope)) & (slope < 0.0)
+        # next to a turn Newton's step has not settled: there the error after it must be
+        # small too, or below the rounding of the terms
+        rounding = np.abs(near[0]) + np.abs(near[1]) + np.abs(near[2])
+        good &= off <= np.maximum(settled * np.abs(slope), _ROUNDING * rounding)
+        target = s * (1.0 + r)
+        good &= (target >= low * (1.0 - 1e-9)) & (target <= high * (1.0 + 1e-9))
+        after = value <= 0.0
+        low, high = np.where(after, low, s), np.where(after, s, high)
+        good |= high - low <= 4e-16 * high
+        done = np.flatnonzero(good)
+        if done.size:
+            at, here = lanes[done], s[done]
+            q, r = q.take(done, axis=1), np.where(size[done] < most, r[done], 0.0)
+            y, rate = _horner(q, r, 0)
+            found[0, at], found[1, at], found[2, at] = here * (1.0 + r), y, rate / here
+            if not speed:
+                found[3, at] = _horner(q, r, 1)[1] / (here * here)
+            if done.size == good.size:
+                break
+            keep = np.flatnonzero(~good)
+            lanes, terms = lanes[keep], terms.take(keep, axis=1)
+            s, low, high, target = s[keep], low[keep], high[keep], target[keep]
+            value, slope = value[keep], slope[keep]
+        # Newton's step, or the middle of the bracket.
+        step = s * (1.0 - value / slope)
+        inside = (slope < 0.0) & (step > low) & (step < high)
+        step = np.where(inside, step, 0.5 * (low + high))
+        s = np.where((target > low) & (target < high) & (slope < 0.0), target, step)
+    return found
+
+
+def _step(q: Array, speed: bool) -> tuple[Array, Array, Array, Array]:
+    """(the step r to the root, the slope by r, the value, what Newton's step leaves of
+    it) of y, or of y', whose terms in powers of r are q.
+    """
+    value, slope, bend, third = (
+        (q[1], 2.0 * q[2], 3.0 * q[3], 4.0 * q[4]) if speed else q[:4]
+    )
+    over = 1.0 / slope
+    e = bend * over
+    g = value * over
+    r = -g * (1.0 - g * e) / (1.0 - 2.0 * g * e + g * g * third * over)
+    p, d = _horner(q, r, int(speed))
+    last = p / d
+    r -= last
+    return r, slope, value, np.abs(bend) * last * last
+
+
+def _horner(q: Array, r: Array, derivative: int) -> tuple[Array, Array]:
+    """(value, slope by r) of y, or of its derivative by r, at r."""
+    top = _NEAR * q[_NEAR] if derivative else q[_NEAR]
+    p, d = top.copy(), top * float(_NEAR - derivative)
+    for k in range(_NEAR - 1, derivative, -1):
+        c = k * q[k] if derivative else q[k]
+        p *= r
+        p += c
+        d *= r
+        d += float(k - derivative) * c
+    p *= r
+    p += q[derivative]
+    return p, d

@@ -135,18 +135,22 @@ class ContactLoss(Observer):
             )
             self.up = (weighed.vertical.largest, *weighed.vertical.steepest)
             share = weighed.share
+        size = batch.cells.omega.shape[1]
+        uplifts = [np.broadcast_to(e.uplift, size) for e in body.edges]
+        # The sway of a push of 1 g; the weight varies for cells of one body only.
         self.sway = tuple(
-            abs(r) * self.up[0] / (e.uplift * self.across[0] or 1.0)
+            abs(r) * self.up[0] / (float(np.ravel(e.uplift)[0]) * self.across[0] or 1.0)
+            if weighed is not None
+            else 0.0
             for r, e in zip(share, body.edges, strict=False)
         )
-        safe = np.array(
-            [safe_acceleration(body, i, ratio) for i, ratio in enumerate(self.sway)]
-        )[:, None]
-        accelerations = batch.cells.amplitude * (
-            np.array([e.uplift for e in body.edges])[:, None] * self.across[0]
-        )
+        safe = [
+            np.broadcast_to(safe_acceleration(body, i, ratio), size)
+            for i, ratio in enumerate(self.sway)
+        ]
+        accelerations = batch.cells.amplitude * (np.array(uplifts) * self.across[0])
         # True for cells without a proof
-        self.open = np.any(accelerations > safe, axis=0)
+        self.open = np.any(accelerations > np.array(safe), axis=0)
         self._lost = np.zeros(self.open.size, dtype=bool)
 
     def contact_proved(
@@ -158,7 +162,7 @@ class ContactLoss(Observer):
         kept = np.ones(at.size, dtype=bool)
         speed = np.inf if fastest is None or not self.body.alike else _MARGIN * fastest
         for accelerations, edge, ratio in zip(
-            self.batch.cells.amplitude, self.body.edges, self.sway, strict=True
+            self.batch.cells.amplitude, self.body.of(at).edges, self.sway, strict=True
         ):
             push = accelerations[at] * (edge.uplift * self.across[0])
             kept &= self.body.contact_proved(
@@ -176,7 +180,7 @@ class ContactLoss(Observer):
         low = np.zeros(at.size)
         high = arcs.stop[at]
         slowing = 2.0 * self.body.damping
-        one = self._ends(lanes, low, lanes.y, lanes.v, lanes.force - slowing * lanes.v)
+        one = self._ends(lanes, low, arc.y, arc.v, arc.b)
         other = self._ends(
             lanes, high, arcs.y[at], arcs.v[at], arcs.force[at] - slowing * arcs.v[at]
         )
@@ -186,7 +190,7 @@ class ContactLoss(Observer):
             with np.errstate(invalid="ignore"):
                 error = chord_errors(
                     self.body,
-                    self.body.on(lanes.side),
+                    self.body.on(lanes.side, lanes.cell),
                     self._shaking(lanes),
                     high - low,
                     one,
@@ -215,7 +219,7 @@ class ContactLoss(Observer):
         lane.
         """
         weighed = self.segments.weighed
-        size = self.body.on(lanes.side).uplift * lanes.amplitude
+        size = self.body.on(lanes.side, lanes.cell).uplift * lanes.amplitude
         sway = (
             np.zeros(size.size)
             if weighed is None
@@ -237,7 +241,7 @@ class ContactLoss(Observer):
         weight = self.segments.weight(
             lanes.side, lanes.amplitude, lanes.segment, lanes.phase + lanes.omega * h
         )
-        edge = self.body.on(lanes.side)
+        edge = self.body.on(lanes.side, lanes.cell)
         u, v, b = edge.unit * y, edge.unit * v, edge.unit * b
         # Fz does not depend on the push itself
         return Ends(u, v, b, ground_reaction(edge, u, v, b, 0.0, weight)[1])
@@ -272,7 +276,7 @@ class ContactLoss(Observer):
         kept = np.ones(lanes.cell.size, dtype=bool)
         lost = np.zeros(lanes.cell.size, dtype=bool)
         for i, sense in enumerate((1.0,) if body.one_sided else (1.0, -1.0)):
-            edge = body.on(sense * lanes.side)
+            edge = body.on(sense * lanes.side, lanes.cell)
             inward, fastest = edge.unit * bounds.most[i], edge.unit * bounds.fastest[i]
             kept &= (
                 body.fz_in_bounces(
@@ -309,7 +313,10 @@ class ContactLoss(Observer):
         # + u'^2 cos z), which falls towards the ground while 3 cos z > cos(alpha) + q/2
         # (linear: q < 1). Damping takes energy, and adds at most 2 zeta kappa u' to the
         # force.
-        here, there = self.body.on(lanes.side), self.body.on(-lanes.side)
+        here, there = (
+            self.body.on(lanes.side, lanes.cell),
+            self.body.on(-lanes.side, lanes.cell),
+        )
         square = self.body.squared_speed_at_ground(here, lanes.y, lanes.v)
         least = np.full(lanes.y.size, np.inf)
         for edge, q in (

@@ -2,46 +2,25 @@
 them what it may skip.
 """
 
-from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
 
-from ..equations.equation import Drive, Equation, Flow
+from ..equations.taylor import TaylorSeries
 from ..lanes import Array, Lanes
 
 
 class Arcs(NamedTuple):
-    """Motion of lanes from their present state until `stop`, each along its flow."""
+    """Motion of lanes from their present state until `stop`, each along its series."""
 
     lanes: Lanes  # the present state
-    flow: Flow  # flow of these lanes
+    flow: TaylorSeries  # series of these lanes
     stop: Array  # end of the motion after the present state [tau], (lanes,)
     y: Array  # displacement at `stop`, in the unit of the side, (lanes,)
     v: Array  # velocity y' at `stop`, by tau, (lanes,)
     force: Array  # y'' + 2 zeta y' at `stop`, (lanes,)
     wanted: Array  # indices of the lanes whose outcome is still open, (wanted,)
-
-
-class TaylorSteps(NamedTuple):
-    """Motion in the air from one sample to the next. Every array is (steps,)."""
-
-    cell: Array  # index of the cell
-    side: Array  # +1 right, -1 left
-    equation: Equation  # equation of these cells on these sides
-    start: tuple[Array, Array]  # (y, y') at the start
-    end: tuple[Array, Array]  # (y, y') at the end
-    ramp: Drive  # the drive between the two samples
-
-
-class Propagation(NamedTuple):
-    """Propagation of all lanes over samples. Every array is (lanes,)."""
-
-    y: Array  # displacement at the end, in the unit of the side
-    v: Array  # velocity y' at the end, by tau
-    peak: Array  # largest y so far
-    fall: Array  # largest 1 - a on the way [-]
-    time: Array  # duration [tau]
+    fastest: Array = np.zeros(0)  # bound of |y'| until `stop`, (lanes,)
 
 
 class Observer:
@@ -51,25 +30,6 @@ class Observer:
 
     def arcs(self, arcs: Arcs) -> None:
         """Called when lanes have moved along these arcs."""
-
-    def steps(self, steps: TaylorSteps, go: Array) -> None:
-        """Called before lanes take those of these Taylor steps over samples that `go`,
-        (steps,). An observer sets `go` to False where it needs the march instead.
-        """
-
-    def propagates(
-        self,
-        lanes: Lanes,
-        step: Propagation,
-        proved: Array,
-        strongest: Callable[[Array], Array],
-    ) -> Array:
-        """Called before lanes are propagated over samples; proved: True for these
-        lanes, (lanes,). Returns the indices of lanes that must go only half as far.
-        strongest: function of indices that returns an upper bound of the outward drive
-        on their way.
-        """
-        return np.zeros(0, dtype=np.int64)
 
     def may_close(self, lanes: Lanes) -> Array:
         """True for lanes just after an impact, whose sequence of impacts ends in rest,

@@ -142,7 +142,7 @@ class Bounces:
         ratio, lane = self.uplift_ratios(lanes), np.arange(lanes.cell.size)
         for i, sense in enumerate((1.0,) if body.one_sided else (1.0, -1.0)):
             side = sense * lanes.side
-            row, edge = devices.row(side), body.on(side)
+            row, edge = devices.row(side), body.on(side, lanes.cell)
             unit = ratio[row, lane]  # y of this side over the y of the free body
             branch = lanes.branch[row, :, lane].T
             plastic = lanes.plastic[row, :, lane].T

@@ -91,7 +91,10 @@ class ContactWatch:
     def fz(self, steps: Steps, at: Array, h: Array) -> Array:
         """Return Fz/(m g) of the lanes `at`, h [tau] after the start of their steps."""
         lanes, row, now, step, _ = steps
-        side, here = self.body.on(lanes.side[at]), step.arc.take(at).at(h)
+        side, here = (
+            self.body.on(lanes.side[at], lanes.cell[at]),
+            step.arc.take(at).at(h),
+        )
         _, fz = ground_reaction(
             side, side.unit * here.y, side.unit * here.v, side.unit * here.b, 0.0, 1.0
         )
@@ -109,7 +112,7 @@ class ContactWatch:
 
     def _proved_by_size(self, steps: Steps) -> Array:
         """True where the largest speed and acceleration of a step leave Fz > 0."""
-        edge, step = self.body.on(steps.lanes.side), steps.step
+        edge, step = self.body.on(steps.lanes.side, steps.lanes.cell), steps.step
         downwards = (
             np.minimum(self._lean(edge, steps), 1.0) * step.largest_acceleration
             + edge.unit * step.fastest**2
@@ -123,7 +126,7 @@ class ContactWatch:
 
     def _largest_curvature(self, steps: Steps, at: Array) -> Array:
         """A bound of |Fz''|/(m g) on the steps of the lanes `at`."""
-        edge, step = self.body.on(steps.lanes.side), steps.step
+        edge, step = self.body.on(steps.lanes.side, steps.lanes.cell), steps.step
         unit = np.broadcast_to(edge.unit, steps.reach.shape)[at]
         v, b = unit * step.fastest[at], unit * step.largest_acceleration[at]
         # Bounds of u''' (j) and u'''' (q): the sums of the sizes of the terms.

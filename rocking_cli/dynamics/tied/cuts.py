@@ -9,6 +9,8 @@ from .devices import Branch
 from .series import Step, falls
 from .tied_lanes import CutStep
 
+_SLOWEST = 1e-14  # speed at which an upper end is passed, at least
+
 
 def cut(
     step: Step,
@@ -58,4 +60,6 @@ def cut(
         turned = np.where(through[at], step.turn[at], 0.0)
         reach[at], v[at] = falls(here, turned, reach[at])
         v[at] *= sense
+        # a body that just reaches the upper end still passes it, and turns beyond it
+        v[up] = np.maximum(v[up], _SLOWEST)
     return CutStep(reach, y, v, np.where(through, top, y), up, down, peaked)

@@ -25,13 +25,12 @@ from ..equations.recurrence import Series, product_term, product_terms
 from ..equations.rigid_body import RigidBodyEquation
 from ..equations.taylor import TaylorSeries
 from ..lanes import Array, Lanes
-from ..march.roots import bernstein_form, impact_root, sense
+from ..march.advance import one_turn_step
+from ..march.roots import fall_guess, only_root
 from .devices import Branch, Devices
 from .pulls import Pull
 
 NewSeries = Callable[[], Series]  # returns an empty series
-
-_HALVINGS = 40
 
 
 class Step(NamedTuple):
@@ -267,86 +266,33 @@ def changed(numbers: Any, change: Callable[[Array], Any]) -> Any:
     return type(numbers)(*parts) if hasattr(numbers, "_fields") else tuple(parts)
 
 
-def one_turn(arc: TaylorSeries, left: Array) -> Step:
+def one_turn(arc: TaylorSeries, left: Array, lines: bool) -> Step:
     """The longest step of lanes, at most `left` [tau], that ends before the second turn
-    of their series.
+    of their series; lines: True under straight lines.
     """
-    h = np.minimum(arc.longest, left)
-    end, chord_errors = arc.at_with_chord_errors(h)
-    # y' and y'' exceed their values at the ends by at most their chord errors.
-    kept, monotone = sense(arc, h, end, chord_errors)
-    fastest = np.maximum(np.abs(arc.v), np.abs(end.v)) + chord_errors[0] / h
-    largest_acceleration = np.maximum(np.abs(arc.b), np.abs(end.b)) + chord_errors[
-        1
-    ] / (h * h)
-    outward = np.sign(np.where(arc.v != 0.0, arc.v, arc.b))
-    # y' is monotone and changes its sign: exactly one turn. Where neither is proved,
-    # the Bernstein coefficients of y' tell, perhaps on a shorter step.
-    turns = ~kept & monotone & (arc.v != 0.0) & (end.v * outward <= 0.0)
-    doubtful = np.flatnonzero(~kept & ~monotone)
-    if doubtful.size:
-        h[doubtful], outward[doubtful], turns[doubtful] = _bernstein(
-            arc.take(doubtful), h[doubtful]
-        )
-        end = Point(*(np.array(x) for x in end))
-        for whole, x in zip(end, arc.take(doubtful).at(h[doubtful]), strict=True):
-            whole[doubtful] = x
-    turn, at = np.full(h.size, np.nan), np.flatnonzero(turns)
+    h, terms, turns = one_turn_step(arc, left, lines)
+    outward = np.where(turns.outward, 1.0, -1.0)
+    outward[turns.fastest == 0.0] = 0.0
+    turn, at = np.full(h.size, np.nan), np.flatnonzero(turns.turns)
     if at.size:
-        n = np.arange(1.0, len(arc.terms))[:, None]
-        # The turn is the root of the series of y', with the sign that makes it fall.
-        speed = TaylorSeries(
-            n * arc.terms[1:, at] * outward[at], arc.unit[at], h[at], arc.fastest[at]
-        )
-        turn[at] = falls(speed, np.zeros(at.size), h[at])[0]
-    return Step(arc, h, end, outward, turn, fastest, largest_acceleration)
-
-
-def _bernstein(arc: TaylorSeries, h: Array) -> tuple[Array, Array, Array]:
-    """(shorter steps with at most one turn, direction of the motion at their start,
-    True where there is a turn), from the signs of the Bernstein coefficients of y'.
-    """
-    # As many terms as the longest series has: the result must not depend on the
-    # other lanes of the batch.
-    terms = np.zeros((max(len(arc.terms), taylor.MOST_TERMS + 1), h.size))
-    terms[: len(arc.terms)] = arc.terms
-    n = np.arange(1.0, len(terms))[:, None]
-    share = h / arc.unit
-    lanes = np.arange(h.size)
-    outward, turns = np.zeros(h.size), np.zeros(h.size, dtype=bool)
-    for halving in range(_HALVINGS + 1):
-        signs = np.sign(bernstein_form(n * terms[1:, lanes] * share[lanes] ** n))
-        changes, outward[lanes] = _changes(signs)
-        turns[lanes] = (changes == 1) | ((changes > 1) & (halving == _HALVINGS))
-        lanes = lanes[changes > 1]
-        if not lanes.size or halving == _HALVINGS:
-            break
-        share[lanes] *= 0.5
-    return share * arc.unit, outward, turns
-
-
-def _changes(signs: Array) -> tuple[Array, Array]:
-    """(number of sign changes in each column, without zeros; first sign in the column
-    that is not 0).
-    """
-    last = np.maximum.accumulate(
-        np.where(signs != 0.0, np.arange(len(signs))[:, None], 0), axis=0
+        # the turn is the root of the series of y', with the sign that makes it fall
+        own = terms.take(at, axis=1) * outward[at]
+        turn[at] = h[at] * only_root(own, turns.guess[at], speed=True)[0]
+    return Step(
+        arc,
+        h,
+        arc.point(terms, h),
+        outward,
+        turn,
+        turns.fastest / h,
+        turns.largest_acceleration / (h * h),
     )
-    filled = np.take_along_axis(signs, last, axis=0)
-    first = np.take_along_axis(signs, np.argmax(signs != 0.0, axis=0)[None], axis=0)[0]
-    return np.count_nonzero(filled[1:] * filled[:-1] < 0.0, axis=0), first
 
 
 def falls(arc: TaylorSeries, low: Array, high: Array) -> tuple[Array, Array]:
     """(h, y' at h) where series fall through zero; there is one such h between `low`
     and `high`.
     """
-    fall = np.sqrt(np.maximum(arc.v * arc.v - 2.0 * arc.b * arc.y, 0.0))
-    # first guess of the root by the first three terms of the series
-    guess = np.where(arc.v < 0.0, 2.0 * arc.y / (fall - arc.v), -(arc.v + fall) / arc.b)
-    return impact_root(
-        arc,
-        low,
-        high,
-        np.where((guess > low) & (guess < high), guess, 0.5 * (low + high)),
-    )
+    terms = arc.over(high)
+    s, _, speed, _ = only_root(terms, *fall_guess(terms, low / high), speed=False)
+    return s * high, np.minimum(0.0, speed / high)

@@ -268,7 +268,7 @@ class March:
         left = self._time_left(lanes, joined)
         if arc is None or lanes.exact[0]:
             arc = self.law.flow(seg, lanes, row, now, lanes.exact)
-        step = one_turn(arc, left)
+        step = one_turn(arc, left, self.law.of_lines)
         touch, through = self.touch * lanes.peak, self.recorder is None
         ended = cut(step, now, low, high, touch, through)
         if self.recorder is not None:

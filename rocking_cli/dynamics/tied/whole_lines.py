@@ -310,7 +310,7 @@ class WholeLines:
         row, now, ones = branch.row, branch.now, np.ones(lanes.y.size)
         unit, alpha, kappa = ones, ones, 0.0 * ones
         if self.watched is not None:
-            edge = self.watched.on(lanes.side)
+            edge = self.watched.on(lanes.side, lanes.cell)
             unit, alpha = edge.unit * ones, edge.alpha * ones
             kappa = np.where(lanes.lost, 0.0, edge.kappa * unit)
         # A broken restraint is not stretched any more.

@@ -8,7 +8,7 @@ result does not depend on the number of workers or the size of a unit, to the la
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass
-from functools import partial
+from functools import cached_property, partial
 from itertools import chain, repeat
 from typing import Any
 
@@ -34,7 +34,7 @@ from ..error_bound import Conditions
 from ..scene import CellBand, Scene, Unit
 from ..verification import Answer, Place, Verification, reference
 
-TOGETHER = 1 << 19  # cells of an exact equation that a worker computes in one batch
+TOGETHER = 1 << 19  # cells that a worker computes in one batch
 
 STEP = 1e-7  # relative change of the input of tied bodies for their condition
 
@@ -75,7 +75,13 @@ class Job:
     convert: Callable[[Block], Any] | None = None
     quantities: tuple[str, ...] = ()  # names of the requested variables of `QUANTITIES`
 
-    @property
+    @cached_property
+    def runs(self) -> dict[Any, RockingParameters]:
+        """A structure for each run of the engine that the scene needs."""
+        scene = self.scene
+        return {scene.runs_with(s): s for s in scene.structures}
+
+    @cached_property
     def one_by_one(self) -> bool:
         """True if each cell is marched alone, on floats: under a long record this takes
         less time for all cells of a place than a run on arrays for each system.
@@ -84,23 +90,16 @@ class Job:
         if scene.method.exact:
             return False
         _, rows, columns = scene.shape
-        runs = {scene.runs_with(s): s for s in scene.structures}
         return rows * columns <= sum(
-            few(scene.method.system_of(s), scene.segments) for s in runs.values()
+            few(scene.method.system_of(s), scene.segments) for s in self.runs.values()
         )
 
-    @property
+    @cached_property
     def together(self) -> int:
         """The number of units in one batch, which fills the pool of the engine; all
         units of a batch have one system.
         """
-        one_run = (
-            len(
-                {self.scene.runs_with(structure) for structure in self.scene.structures}
-            )
-            == 1
-        )
-        if not (one_run and (self.scene.method.exact or self.pooled)):
+        if len(self.runs) > 1 or (self.scene.of_records and not self.pooled):
             return 1
         return max(1, TOGETHER // (self.chunk[0] * self.chunk[1]))
 
@@ -195,7 +194,7 @@ class Job:
         counts = [band.size for band in batch]
         structures = [band.structure for band in batch]
         system = self.scene.method.system_of_cells(structures, counts)._replace(
-            body=None, own=()
+            body=None
         )
         numbers: dict[int, int] = {}
         which = np.repeat(
@@ -239,9 +238,8 @@ class Job:
         else:
             got = response(system, motion, *cells)
         if system.devices is not None:
-            shifted = response(
-                system, motion, *(x * (1.0 + STEP) for x in cells[:2]), cells[2]
-            )
+            amplitude, omega = cells[:2] * (1.0 + STEP)
+            shifted = response(system, motion, amplitude, omega, cells[2])
             got = got._replace(condition=condition_by_difference(got, shifted))
         if "linear" in self.quantities:
             linear = response(
@@ -268,7 +266,7 @@ class Job:
         system = method.system_of_cells(structures, counts)
         if method.exact:
             # structures that share rotations have different bodies
-            system = system._replace(body=None, own=())
+            system = system._replace(body=None)
         return system
 
     def _standing(
@@ -343,8 +341,11 @@ class Job:
         found = {}
         for place in self.wanted.get((unit.places[0], unit.row, unit.column), ()):
             at = place[1] - unit.row, place[2] - unit.column
-            numbers = (float(block[key][at]) for key in ("theta_ratio", "condition"))
-            found[place] = (int(block["outcome"][at]), *numbers)
+            found[place] = (
+                int(block["outcome"][at]),
+                float(block["theta_ratio"][at]),
+                float(block["condition"][at]),
+            )
         return found
 
 

@@ -28,7 +28,7 @@ from rocking_cli.dynamics.contacts.lasting_bounces import (
     bound_of_peaks,
     stays_below_peak,
 )
-from rocking_cli.dynamics.march import closings
+from rocking_cli.dynamics.march import proofs
 from rocking_cli.motions.blocks import blocks
 from rocking_cli.motions.polyline import Polyline
 
@@ -59,7 +59,7 @@ def test_marching_on_finds_the_same_peak(motion, monkeypatch):
     amplitude, omega = random.uniform(1.0, 3.0, 40), random.uniform(0.5, 8.0, 40)
     eta = random.choice([0.0, 0.3, 0.9, 0.99], 40)
     settled = linear_response(motion, amplitude, omega, eta)
-    monkeypatch.setattr(closings, "STAYS_BELOW_PEAK", closings.FREE_MOTION)
+    monkeypatch.setattr(proofs, "STAYS_BELOW_PEAK", proofs.FREE_MOTION)
     marched = linear_response(motion, amplitude, omega, eta)
     np.testing.assert_array_equal(settled.outcome, marched.outcome)
     np.testing.assert_array_equal(settled.theta_ratio, marched.theta_ratio)
@@ -102,7 +102,7 @@ def test_given_up_is_what_would_have_been_given_up(motion, monkeypatch):
     )
     eta = random.choice([1.0, 1.0 - 1e-9, 1.0 - 1e-5, 0.999], 40)
     early = linear_response(motion, amplitude, omega, eta)
-    monkeypatch.setattr(closings, "TOO_MANY_IMPACTS", closings.FREE_MOTION)
+    monkeypatch.setattr(proofs, "TOO_MANY_IMPACTS", proofs.FREE_MOTION)
     late = linear_response(motion, amplitude, omega, eta)
     assert np.array_equal(early.outcome, late.outcome)
     assert np.array_equal(early.theta_ratio, late.theta_ratio, equal_nan=True)
@@ -166,7 +166,7 @@ def highest_peak(drive, step, v):
                     + 2.0 * r * math.sinh(0.5 * h) ** 2
                 )
 
-            struck = y(left) <= 0.0  # |a| < 1: once (Lemma 1)
+            struck = y(left) <= 0.0  # |a| < 1: it falls once
             h = bisect(y, 1e-9 * left, left, xtol=1e-16) if struck else left
             if v0 > 0.0 > speed(h):
                 highest = max(highest, y(bisect(speed, 1e-9 * h, h, xtol=1e-16)))
@@ -275,7 +275,7 @@ def test_marching_on_under_a_record_finds_the_same_peak(alpha, excess, monkeypat
 
     early = found()
     for name in ("STAYS_BELOW_PEAK", "BOUNCES_TO_END"):
-        monkeypatch.setattr(closings, name, closings.FREE_MOTION)
+        monkeypatch.setattr(proofs, name, proofs.FREE_MOTION)
     late = found()
     np.testing.assert_array_equal(early.outcome, late.outcome)
     np.testing.assert_array_equal(early.theta_ratio, late.theta_ratio)

@@ -1,91 +1,114 @@
-"""The exact flow against its definition in 40 digits."""
+"""The Taylor series of the linear equation against its closed form in 40 digits."""
+
+import math
 
 import mpmath
 import numpy as np
 import pytest
+from support.references import lanes
 
-from rocking_cli.dynamics.equations.flow import LinearFlow
+from rocking_cli import LinearEquation, Motion
+from rocking_cli.dynamics.drive import drive_change
+from rocking_cli.motions import Harmonic, Piece
+
+ONE = (Harmonic(0.8, 1.0, 0.4),)
+MULTIPLES = (Harmonic(0.5, 0.7, 0.1), Harmonic(0.4, 1.4, 0.9), Harmonic(-0.3, 2.1, 1.7))
+OTHERS = (Harmonic(0.5, 1.0, 0.3), Harmonic(0.3, 1.7, 1.0), Harmonic(-0.4, 0.6, 0.2))
 
 
-def arcs(lanes, harmonics=5, seed=3):
-    """Random arcs of drives with frequencies from 1 to 4 times a slowest one, and times
-    from 1e-3 to 10 over the fastest.
+def closed_form(y, v, sinusoids, level, slope, h, damping):
+    """y and its first three derivatives after h, from both modes and the steady motion
+    under the drive level + slope h + sum size sin(w h + angle).
     """
-    random = np.random.default_rng(seed)
-    ratios = random.uniform(1.0, 4.0, harmonics)
-    ratios /= ratios.max()
-    top = 4.0 * 10.0 ** random.uniform(-1.0, 1.0, lanes)
-    sin, cos = random.uniform(-1.0, 1.0, (2, harmonics, lanes))
-    y = np.where(random.random(lanes) < 0.5, 0.0, random.uniform(0.0, 0.5, lanes))
-    v, b = random.uniform(-0.5, 0.5, (2, lanes))
-    h = 10.0 ** random.uniform(-3.0, 1.0, lanes) / (1.0 + top)
-    return ratios, y, v, b, sin, cos, top, h
-
-
-def exact(y, v, b, sin, cos, w, h, ramp=0.0):
-    """y, v, b, j after h from the modes and the steady motion, in 40 digits."""
     with mpmath.workdps(40):
-        y, v, b, h, ramp = (mpmath.mpf(float(x)) for x in (y, v, b, h, ramp))
-        terms = [
-            tuple(mpmath.mpf(float(x)) for x in term)
-            for term in zip(sin, cos, w, strict=True)
-        ]
-        # y'' = y - 1 + a with a = c + r t + sum S sin + C cos and b = y - 1 + a at 0
-        level = b - y - sum(c for _, c, _ in terms)  # c - 1
+        y, v, h, level, slope, zeta = (
+            mpmath.mpf(float(x)) for x in (y, v, h, level, slope, damping)
+        )
+        root = mpmath.sqrt(1 + zeta * zeta)
+        up, down = root - zeta, -root - zeta
 
         def steady(t, n):
-            turned = [
-                (
-                    s * mpmath.sin(x * t + n * mpmath.pi / 2)
-                    + c * mpmath.cos(x * t + n * mpmath.pi / 2)
-                )
-                * x**n
-                for s, c, x in terms
-            ]
-            line = (level + ramp * t, ramp, 0, 0)[n]
-            return (
-                -sum(
-                    z / (1 + x * x) for z, (_, _, x) in zip(turned, terms, strict=True)
-                )
-                - line
+            total = (
+                1 - level - slope * t - 2 * zeta * slope
+                if n == 0
+                else -slope * (n == 1)
             )
+            for size, w, angle in sinusoids:
+                size, w, angle = (mpmath.mpf(float(x)) for x in (size, w, angle))
+                gain = size / mpmath.mpc(-w * w - 1, 2 * zeta * w)
+                turned = mpmath.mpc(0, w) ** n * mpmath.expj(w * t + angle)
+                total += (gain * turned).imag
+            return total
 
-        up, out = y - steady(0, 0), v - steady(0, 1)
-        modes = (
-            up * mpmath.cosh(h) + out * mpmath.sinh(h),
-            up * mpmath.sinh(h) + out * mpmath.cosh(h),
+        out, rate = y - steady(0, 0), v - steady(0, 1)
+        grows, decays = (
+            (rate - down * out) / (up - down),
+            (up * out - rate) / (up - down),
         )
-        return [float(modes[n % 2] + steady(h, n)) for n in range(4)]
-
-
-@pytest.mark.parametrize("ramp", [None, 0.4])
-@pytest.mark.parametrize("harmonics", [1, 3])
-def test_the_flow_of_few_sinusoids_is_that_of_the_definition(harmonics, ramp):
-    """y and v are sums of terms that may cancel: the error is a few units in the last
-    place of the largest of them.
-    """
-    ratios, y, v, b, sin, cos, top, h = arcs(60, harmonics)
-    h = np.where(np.arange(60) % 3, h, 6.0 * h / h.max())
-    w = ratios[:, None] * top
-    found = np.array(
-        LinearFlow(
-            y, v, b, sin, cos, w, None if ramp is None else np.full(60, ramp)
-        ).at(h)
-    )
-    wanted = np.array(
-        [
-            exact(*(x[..., i] for x in (y, v, b, sin, cos, w, h)), ramp or 0.0)
-            for i in range(60)
+        return [
+            float(
+                grows * up**n * mpmath.exp(up * h)
+                + decays * down**n * mpmath.exp(down * h)
+                + steady(h, n)
+            )
+            for n in range(4)
         ]
-    ).T
-    drive = np.abs(sin).sum(axis=0) + np.abs(cos).sum(axis=0) + (ramp or 0.0)
-    size_y = (
-        y + np.abs(v) * np.sinh(h) + (np.abs(b) + drive) * 2.0 * np.sinh(0.5 * h) ** 2
+
+
+@pytest.mark.parametrize("damping", [0.0, 0.2])
+@pytest.mark.parametrize("slope", [0.0, 0.03])
+@pytest.mark.parametrize(
+    "harmonics",
+    [(), ONE, MULTIPLES, OTHERS],
+    ids=["none", "one", "multiples", "others"],
+)
+def test_the_series_is_the_closed_form_up_to_its_longest_step(
+    harmonics, slope, damping
+):
+    motion = Motion("m", (Piece(0.0, 12.0, harmonics, 0.1, slope),))
+    segments, equation = motion.segments, LinearEquation(damping)
+    random, count = np.random.default_rng(3), 30
+    k = random.integers(0, len(segments), count)
+    u = random.uniform(0.0, 0.9, count) * segments.length[k]
+    amplitude, omega = random.uniform(0.5, 3.0, count), random.uniform(0.3, 9.0, count)
+    side = random.choice([-1.0, 1.0], count)
+    y, v = random.uniform(0.0, 1.0, count), random.uniform(-0.5, 0.5, count)
+    drive = -side * amplitude * (segments.s_start[k] + drive_change(segments, k, u))
+    body = lanes(
+        amplitude=amplitude,
+        omega=omega,
+        segment=k,
+        phase=u,
+        side=side,
+        y=y,
+        v=v,
+        force=equation.force(y, drive),
     )
-    size_v = np.abs(v) * np.cosh(h) + (np.abs(b) + drive) * np.sinh(h)
-    assert np.all(np.abs(found[0] - wanted[0]) < 3e-15 * size_y)
-    assert np.all(np.abs(found[1] - wanted[1]) < 3e-15 * size_v)
-    assert np.all(
-        np.abs(found[2:] - wanted[2:])
-        < 1e-14 * (1.0 + w.max(axis=0)) * (np.cosh(h) + drive)
-    )
+    arc = equation.flow(segments, body)
+    left = segments.left_of_piece(k, u) / omega
+    h = np.minimum(arc.longest, left) * random.uniform(0.1, 1.0, count)
+    found = np.array(arc.at(h))
+    for i in range(count):
+        outward, phase = -side[i] * amplitude[i], segments.start[k[i]] + u[i]
+        sinusoids = [
+            (
+                outward * one.amplitude,
+                one.frequency * omega[i],
+                one.frequency * phase + one.phase,
+            )
+            for one in harmonics
+        ]
+        wanted = closed_form(
+            y[i],
+            v[i],
+            sinusoids,
+            outward * (0.1 + slope * phase),
+            outward * slope * omega[i],
+            h[i],
+            damping,
+        )
+        size = (1.0 + amplitude[i]) * math.exp(h[i])
+        fast = 1.0 + 2.1 * omega[i]
+        errors = np.abs(found[:, i] - wanted)
+        assert np.all(errors[:2] < 1e-12 * size)
+        assert np.all(errors[2:] < 1e-11 * size * fast ** np.arange(1, 3))

@@ -1,18 +1,31 @@
-"""Within one step: windows of the drive, what is proved without a root search, and
-bodies that turn back next to the ground.
+"""Within one step: bodies that turn back near the ground, one turn at most, and every
+peak.
 """
 
 import math
 
 import numpy as np
 import pytest
-from support.references import LADDER, MIXED, lanes
+from support.references import MIXED, lanes
+from support.synthetic_records import RECORDS, motion_of_samples, weighed
 
-from rocking_cli import LinearEquation, RigidBodyEquation, cosine, pulse, sine
-from rocking_cli.dynamics.drive import crossing, drive_change, place, segment_value
-from rocking_cli.dynamics.march import advance
-from rocking_cli.dynamics.march.advance import window_end
+from rocking_cli import LinearEquation, RigidBodyEquation, pulse, sine
+from rocking_cli.dynamics.drive import drive_change
+from rocking_cli.dynamics.march.advance import advance, one_turn_step
 from rocking_cli.motions import Motion, Piece
+
+EQUATIONS = [
+    LinearEquation(),
+    LinearEquation(0.1),
+    RigidBodyEquation(0.3),
+    RigidBodyEquation(0.3, damping=0.1),
+]
+MOTIONS = {
+    "sinusoids": sine(2),
+    "many sinusoids": pulse("ricker-symmetric"),
+    "sinusoids and a slope": MIXED,
+    "lines": motion_of_samples(RECORDS[0], 0.3),
+}
 
 
 @pytest.mark.parametrize(
@@ -37,53 +50,41 @@ def test_grazing_is_decided_on_either_side(model):
                     * (y0 - least)
                     * float(weights @ model.force(spots, np.full(40, a)))
                 )
+                v0 = -math.sqrt(2 * rise)
                 b = model.force(np.array([y0]), np.array([a]))
-                body, hit = (
-                    lanes(
-                        amplitude=a, side=-1.0, y=y0, v=-math.sqrt(2 * rise), force=b
-                    ),
-                    False,
-                )
+                body = lanes(amplitude=a, side=-1.0, y=y0, v=v0, force=b)
                 for _ in range(40):
-                    event = advance.advance(push, body, model)
-                    hit |= bool(event.hit[0])
+                    event = advance(push, body, model)
+                    hit = bool(event.hit[0])
                     if hit or event.end.v[0] > 0.0:
                         break
                     body.phase, body.y, body.v, body.force = (
-                        event.step.phase,
+                        body.phase + event.reach,
                         event.end.y,
                         event.end.v,
                         event.end.b,
                     )
                 assert hit == (least < 0.0), (offset, a, y0)
+                if hit:  # the speed there, by the work from the lowest point
+                    deep = -least * float(model.force(np.zeros(1), np.array([a]))[0])
+                    assert -event.impact_v[0] == pytest.approx(
+                        math.sqrt(2.0 * deep), rel=1e-5, abs=2e-7
+                    )
 
 
-@pytest.mark.parametrize(
-    "equation",
-    [
-        LinearEquation(),
-        LinearEquation(0.1),
-        RigidBodyEquation(0.3),
-        RigidBodyEquation(0.3, damping=0.1),
-    ],
-)
-def test_every_crest_of_a_step_is_found(equation):
-    """Where y' falls through zero on a fine raster of the step there is one, also
-    between ends of the same sign, and nowhere else.
-    """
-    random, count = np.random.default_rng(21), 2500
-    segments = sine(2).segments
-    k, side = (
-        random.integers(0, len(segments), count),
-        random.choice([-1.0, 1.0], count),
-    )
+def states(motion, equation, count, seed):
+    """Random lanes in the air under a motion."""
+    random, segments = np.random.default_rng(seed), motion.segments
+    k = random.integers(0, len(segments), count)
+    side = random.choice([-1.0, 1.0], count)
     u = segments.length[k] * random.uniform(0.0, 0.95, count)
-    amplitude, omega = random.uniform(0.3, 3.0, count), random.uniform(0.3, 2.0, count)
+    strongest = np.abs([segments.s_start, segments.s_end]).max()
+    amplitude = random.uniform(0.3, 3.0, count) / strongest
+    omega = random.uniform(0.3, 2.0, count)
     y, v = random.uniform(0.2, 1.4, count), random.uniform(-0.4, 0.4, count)
-    b = equation.force(
-        y, -side * amplitude * (segments.s_start[k] + drive_change(segments, k, u))
-    )
-    bodies = lanes(
+    v[:10] = 0.0
+    s = segments.s_start[k] + drive_change(segments, k, u)
+    return lanes(
         amplitude=amplitude,
         omega=omega,
         segment=k,
@@ -91,103 +92,58 @@ def test_every_crest_of_a_step_is_found(equation):
         side=side,
         y=y,
         v=v,
-        force=b,
+        force=equation.force(y, -side * amplitude * s),
     )
-    result = advance.advance(segments, bodies, equation)
-    turned, h, _ = advance.turning_points(
-        segments, bodies, result, np.ones(count, dtype=bool)
-    )
-    raster = np.linspace(0.0, 1.0, 1001)[:, None] * result.reach
-    speed = np.array([result.arc.at(x).v for x in raster])
-    falls = (speed[:-1] > 0.0) & (speed[1:] <= 0.0)
-    (at,) = np.nonzero(falls.any(axis=0))
-    np.testing.assert_array_equal(at, np.sort(turned))
-    order = np.argsort(turned)
-    first = falls[:, at].argmax(axis=0)
-    assert np.all(raster[first, at] <= h[order] + 1e-12)
-    assert np.all(h[order] <= raster[first + 1, at] + 1e-12)
-    ends = speed[-1, at]
-    assert ((v[at] < 0.0) & (ends < 0.0)).sum() > 5, "turned outwards and back"
-    assert ((v[at] > 0.0) & (ends > 0.0)).sum() > 5, "turned back and outwards"
 
 
-@pytest.mark.parametrize(
-    "motion",
-    [
-        sine(),
-        sine(2.5),
-        cosine(1.5),
-        LADDER,
-        MIXED,
-        *map(pulse, ("ricker-symmetric", "rectangular-impulse")),
-    ],
-    ids=lambda m: m.name,
-)
-def test_windows_tile_the_motion_and_state_the_sign_of_the_drive(motion):
-    segments, random = motion.segments, np.random.default_rng(1)
-    amplitude, side = random.uniform(0.5, 8.0, 40), random.choice([-1.0, 1.0], 40)
-    k, u = np.zeros(40, dtype=np.int64), np.zeros(40)
-    covered, ridges = np.zeros(40), 0
-    for _ in range(4 * len(segments) + 4):
-        on = np.flatnonzero(k < len(segments))
-        if not on.size:
-            break
-        window = window_end(segments, k[on], u[on], side[on], amplitude[on])
-        ridges += int(window.supercritical.sum())
-        for i, lane in enumerate(on):
-            assert window.segment[i] in (k[lane], k[lane] + 1)
-            spans = [
-                (
-                    k[lane],
-                    u[lane],
-                    window.phase[i]
-                    if window.segment[i] == k[lane]
-                    else segments.length[k[lane]],
-                )
-            ]
-            spans += (
-                [(window.segment[i], 0.0, window.phase[i])]
-                if window.segment[i] > k[lane]
-                else []
-            )
-            values = []
-            for at, low, high in spans:
-                assert high >= low
-                covered[lane] += high - low
-                change = segment_value(
-                    segments, np.full(60, at), np.linspace(low, high, 60)
-                )[0]
-                a = -side[lane] * amplitude[lane] * (segments.s_start[at] + change)
-                beyond = a - 1.0 if window.supercritical[i] else 1.0 - a
-                assert np.all(
-                    beyond
-                    >= -amplitude[lane]
-                    * (1.1e-13 + 1e-14 * np.abs(segments.s_start[at]))
-                )
-                values.append(a)
-            if not window.supercritical[
-                i
-                # a subcritical ends at an inner maximum: the drive falls and rises,
-                # never the other way round
-            ]:
-                steps = np.sign(np.diff(np.concatenate(values)).round(12))
-                steps = steps[steps != 0.0]
-                assert np.all(np.diff(steps) >= 0.0)
-        k[on], u[on] = place(segments, window.segment, window.phase)
-    assert np.all(k == len(segments))
-    assert ridges > 0
-    assert covered == pytest.approx(np.full(40, motion.duration), rel=1e-13)
-
-
-@pytest.mark.parametrize("short", [1e-4, 1e-8, 1e-12])
-def test_a_crossing_next_to_an_extremum_keeps_its_distance_to_it(short):
-    """sin u = 1 - d at u = pi/2 - sqrt(2 d) (1 + d/12): the distance to the peak is off
-    by no more than one rounding of the level.
+@pytest.mark.parametrize("motion", MOTIONS.values(), ids=MOTIONS)
+@pytest.mark.parametrize("equation", EQUATIONS)
+def test_a_step_turns_once_at_most_and_every_peak_is_found(equation, motion):
+    """On a fine raster of the step y' changes its sign once at most, and where it falls
+    through zero there is a peak; nowhere else.
     """
-    level = np.array([1.0 - short])
-    d = 1.0 - level[0]
-    u = crossing(sine(0.5).segments, np.zeros(1, dtype=np.int64), level)
-    expected = np.sqrt(2.0 * d) * (1.0 + d / 12.0)
-    assert np.pi / 2 - u[0] == pytest.approx(
-        expected, abs=4e-16, rel=np.finfo(float).eps / d + d * d
-    )
+    count = 500
+    segments, bodies = motion.segments, states(motion, equation, count, 21)
+    result = advance(segments, bodies, equation)
+    left = segments.left_of_piece(bodies.segment, bodies.phase) / bodies.omega
+    h, _, turns = one_turn_step(result.arc, left, segments.straight)
+    assert np.all((h <= left) & (h <= result.arc.longest))
+    np.testing.assert_array_equal(result.reach[~result.hit], h[~result.hit])
+
+    raster = np.linspace(0.0, 1.0, 401)[:, None] * h
+    points = [result.arc.at(x) for x in raster]
+    y, speed = (np.array([getattr(p, name) for p in points]) for name in ("y", "v"))
+    scale = 1e-13 * (1.0 + np.abs(speed).max(axis=0))
+    falls = (speed[:-1] > scale) & (speed[1:] < -scale)
+    signs = np.where(np.abs(speed) > scale, np.sign(speed), 0.0)
+    changes = [np.count_nonzero(np.diff(s[s != 0.0])) for s in signs.T]
+    assert max(changes) == 1
+    inside = np.abs(speed[-1]) > scale  # no turn at the very end
+    np.testing.assert_array_equal(np.array(changes)[inside] == 1, turns.turns[inside])
+    assert np.all(np.abs(speed).max(axis=0) * h <= turns.fastest * (1.0 + 1e-9))
+
+    down = (signs.max(axis=0) > 0.0) & (speed[-1] < -scale)
+    np.testing.assert_array_equal(down[inside], np.isfinite(result.top)[inside])
+    peaks = np.flatnonzero(np.isfinite(result.top) & down)
+    assert peaks.size > 5
+    highest = y[:, peaks].max(axis=0)
+    assert np.all(result.top[peaks] >= highest * (1.0 - 1e-14))
+    slack = np.abs([p.b for p in points]).max(axis=0) * (h / 400.0) ** 2
+    assert np.all(result.top[peaks] <= highest + slack[peaks])
+    assert falls.sum() > 5
+
+
+@pytest.mark.parametrize("equation", EQUATIONS)
+def test_a_step_is_the_same_whatever_steps_are_beside_it(equation):
+    for motion in (*MOTIONS.values(), weighed(slice(36, 52), 0.5, 2)[0]):
+        segments = motion.segments
+        bodies = states(motion, equation, 40, 5)
+        whole = advance(segments, bodies, equation)
+        for some in (np.array([7]), np.arange(40)[::-1], np.array([30, 3, 7])):
+            part = advance(segments, bodies.take(some), equation)
+            for name in ("reach", "hit", "impact_v", "impact_force", "top", "fastest"):
+                np.testing.assert_array_equal(
+                    getattr(part, name), getattr(whole, name)[some], err_msg=name
+                )
+            for one, other in zip(part.end, whole.end, strict=True):
+                np.testing.assert_array_equal(one, other[some])

@@ -23,6 +23,7 @@ from support.synthetic_records import (
 
 from rocking_cli import Motion, Outcome, cosine, linear_response, pulse, response, sine
 from rocking_cli.motions import Harmonic, Piece
+from rocking_cli.motions.biaxial import with_vertical
 
 
 @pytest.mark.parametrize(("omega", "begin", "end", "no_impact", "digit"), INTERVALS)
@@ -97,7 +98,7 @@ def test_other_motions_equal_an_independent_integration(motion, largest, n):
 
 
 @pytest.mark.parametrize(
-    ("amplitude", "omega", "peak"),  # in 60 digits: the exact flow at the root of y'
+    ("amplitude", "omega", "peak"),  # in 60 digits: the closed form at the root of y'
     [
         (1.001, 3.0, 4.99700212697253e-07),
         (1.001, 10.0, 4.4964839168937423e-08),
@@ -136,9 +137,7 @@ def test_first_uplift_and_no_uplift():
     ],
     ids=lambda x: getattr(x, "name", x),
 )
-def test_no_digit_depends_on_other_lanes_nor_an_outcome_on_peaks(
-    name, motion, count, monkeypatch
-):
+def test_no_digit_depends_on_other_lanes_nor_an_outcome_on_peaks(name, motion, count):
     random, (system, _) = np.random.default_rng(3), SYSTEMS[name]
     slow, fast = (0.3, 12.0) if motion.acceleration is None else (0.1, 1.5)
     cell = (
@@ -160,11 +159,40 @@ def test_no_digit_depends_on_other_lanes_nor_an_outcome_on_peaks(
     bare = response(system, motion, *cell, peaks=False)
     assert np.array_equal(whole.outcome, bare.outcome)
     assert np.isnan(bare.theta_ratio).all()
-    monkeypatch.setattr("rocking_cli.dynamics.samples.stepper.WIDTH", 3)
-    assert (
-        response(system, motion, *cell).theta_ratio.tobytes()
-        == whole.theta_ratio.tobytes()
-    )
+
+
+@pytest.mark.parametrize("rows", [30, pytest.param(1000, marks=pytest.mark.soak)])
+@pytest.mark.parametrize(
+    "body", ["the oscillator", "a body", "a damped body of unlike edges"]
+)
+@pytest.mark.parametrize(
+    "motion",
+    [
+        sine(1.5),
+        pulse("ricker-symmetric"),
+        with_vertical(sine(), cosine(), 0.4),
+        motion_of_samples(RECORDS[0][30:70], 0.05),
+        weighed(slice(36, 52), 0.8, 2)[0],
+    ],
+    ids=["sine", "ricker", "sine upwards", "record", "record upwards"],
+)
+def test_a_row_alone_has_the_digits_of_rows_in_any_order(body, motion, rows):
+    random, (system, eta) = np.random.default_rng(4), SYSTEMS[body]
+    slow, fast = (0.3, 12.0) if motion.acceleration is None else (0.1, 1.5)
+    amplitude = random.uniform(0.9, 5.0, rows)
+    omega = random.uniform(slow, fast, rows)
+    whole = response(system, motion, amplitude, omega, eta)
+    order = random.permutation(rows)
+    other = response(system, motion, amplitude[order], omega[order], eta, pool=5)
+    alone = [
+        response(system, motion, a, w, eta)
+        for a, w in zip(amplitude, omega, strict=True)
+    ]
+    for name in ("theta_ratio", "outcome", "impacts_at_least"):
+        found = getattr(whole, name)
+        np.testing.assert_array_equal(getattr(other, name), found[order])
+        np.testing.assert_array_equal([getattr(one, name) for one in alone], found)
+    assert {Outcome.ROCKED} < set(whole.outcome.tolist())
 
 
 def test_a_pulse_cut_into_pieces_is_the_same_pulse():

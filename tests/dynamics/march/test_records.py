@@ -1,6 +1,5 @@
-"""Records by exact propagation, by Taylor steps and one body at a time: against an
-integration that shares no code, against the march by long series, and what changes
-nothing.
+"""Records on arrays and one body at a time: against an integration that shares no code,
+against the march by long series, the tolerance, free fall, and what changes nothing.
 """
 
 from functools import partial
@@ -22,6 +21,8 @@ from support.synthetic_records import (
 
 from rocking_cli import (
     Outcome,
+    RigidBodyEquation,
+    System,
     cosine,
     pulse,
     response,
@@ -92,7 +93,7 @@ def against_the_march(name, motion, long, count, seed):
     """
     (system, eta), (amplitude, omega) = SYSTEMS[name], random_cells(count, seed)
     omega *= 8.0 if motion.samples is None else 1.0
-    omega[:2] /= 40.0  # samples too far apart to be stepped over
+    omega[:2] /= 40.0  # samples that a step does not reach
     etas = np.full(count, eta)
     run = Run(Batch.of(system, system.segments(long), amplitude, omega, etas))
     run.all()
@@ -185,3 +186,110 @@ def test_samples_that_change_nothing(model):
         assert_same(
             response(system, other, *cell), first.theta_ratio, first.outcome, allowed
         )
+
+
+@pytest.mark.slow
+def test_the_tolerance_is_kept():
+    """Against steps at 1e-13: an error of the tolerance at the most, times the
+    condition of each cell.
+    """
+    motion, eta = motion_of_samples(RECORDS[0][30:80], 0.04), np.full(16, 0.9)
+    amplitude, omega = random_cells(16, 9)
+    condition = 1e12 * allowance(
+        motion, amplitude, omega, eta, System(RigidBodyEquation(ALPHA))
+    )
+    exact = response(
+        System(RigidBodyEquation(ALPHA, 1e-13)), motion, amplitude, omega, eta
+    )
+    for tolerance in (1e-4, 1e-7, 1e-10):
+        found = response(
+            System(RigidBodyEquation(ALPHA, tolerance)), motion, amplitude, omega, eta
+        )
+        assert_same(found, exact.theta_ratio, exact.outcome, tolerance * condition)
+        assert (
+            np.nanmax(np.abs(found.theta_ratio - exact.theta_ratio)) > 1e-6 * tolerance
+        ), "fewer terms are taken"
+
+
+@pytest.mark.parametrize(
+    "motion",
+    [motion_of_samples(RECORDS[0][36:52], 0.04), sine()],
+    ids=["record", "sine"],
+)
+def test_bodies_of_many_angles_in_one_run_are_those_of_each_alone(motion):
+    alphas, count = np.array([0.6, 0.1, 0.3]), 7
+    amplitude, omega = random_cells(3 * count, 8)
+    omega[::5] /= 40.0  # samples that a step does not reach
+    omega *= 1.0 if motion.samples else 20.0
+    eta = np.tile([0.6, 0.9, 1.0 - 1e-4], count)
+    together = response(
+        System(RigidBodyEquation(np.repeat(alphas, count))),
+        motion,
+        amplitude,
+        omega,
+        eta,
+    )
+    assert len(set(together.outcome)) > 2
+    for i in (0, 2):
+        mine = slice(count * i, count * (i + 1))
+        alone = response(
+            System(RigidBodyEquation(float(alphas[i]))),
+            motion,
+            amplitude[mine],
+            omega[mine],
+            eta[mine],
+        )
+        for name in ("theta_ratio", "outcome", "impacts_at_least"):
+            np.testing.assert_array_equal(
+                getattr(together, name)[mine], getattr(alone, name)
+            )
+
+
+@pytest.mark.parametrize("alpha", [0.2, ALPHA, 0.3, 0.4])
+def test_a_body_that_is_just_lifted_at_a_sample(alpha):
+    """The uplift falls on the end of an interval, to the last digits."""
+    system, motion = (
+        System(RigidBodyEquation(alpha)),
+        motion_of_samples(RECORDS[0], 0.04),
+    )
+    amplitude = system.least_uplift(motion) * (1.0 + 1.2e-16 * np.arange(-8, 9))
+    found = response(system, motion, amplitude, 0.4, 0.9)
+    assert set(found.outcome) == {Outcome.NO_UPLIFT, Outcome.ROCKED}
+    assert found.theta_ratio.max() < 1e-20
+
+
+@pytest.mark.parametrize(
+    ("lifts", "falls", "outcome"),
+    [
+        (0.1, 1.0, "lost_contact"),
+        (2.1, 1.0, "lost_contact"),
+        (0.1, 3.6, "overturned_no_impact"),
+    ],
+)
+def test_free_fall_before_and_after_the_uplift_and_after_the_overturning(
+    lifts, falls, outcome
+):
+    """A body that overturns where the ground falls less. With A = 2.5, r = alpha =
+    0.25, the least w = 1 - A r share is 0 at 1.6.
+    """
+    t, system = 0.05 * np.arange(81), SYSTEMS["a body"][0]
+    across = motion_of_samples(
+        np.interp(t, [lifts, lifts + 0.5, lifts + 1.0], [0.0, 1.0, 0.0]), 0.05
+    )
+    up = motion_of_samples(
+        -np.interp(t, [falls, falls + 0.15, falls + 0.3], [0.0, 1.0, 0.0]), 0.05
+    )
+    for share, wanted in (
+        (1.6 * (1.0 - 1e-9), "overturned_no_impact"),
+        (1.6 * (1.0 + 1e-9), outcome),
+    ):
+        for motion in (
+            with_vertical(across, up, share),
+            with_vertical(long_series(across), long_series(up), share),
+        ):
+            assert (
+                Outcome(
+                    int(response(system, motion, [2.5], [0.5], 0.9).outcome[0])
+                ).flag
+                == wanted
+            )

@@ -1,5 +1,5 @@
-"""Closings: proofs that the outcome of a lane is already known, so that the march need
-not follow it to the end.
+"""Proofs that the outcome of a lane is already known, so that the march need not follow
+it to the end.
 """
 
 from collections.abc import Callable
@@ -22,33 +22,33 @@ from ..outcome import Outcome
 FEW_SIGN_CHANGES = 1
 
 
-class Closed(NamedTuple):
+class Proved(NamedTuple):
     """Lanes whose outcome is known."""
 
-    at: Array  # indices of the lanes, (closed,)
-    outcome: Array | Outcome  # their outcomes, (closed,), or one outcome for all
-    # largest y of lanes that rocked, NaN for other outcomes, (closed,)
+    at: Array  # indices of the lanes, (proved,)
+    outcome: Array | Outcome  # their outcomes, (proved,), or one outcome for all
+    # largest y of lanes that rocked, NaN for other outcomes, (proved,)
     peak: Array | float
 
 
-class Closing(NamedTuple):
+class LaneProof(NamedTuple):
     """A proof that ends the march of lanes early."""
 
     # function of the batch and of its lanes just after an impact; returns the lanes
     # whose outcome it proves
-    closes: Callable[[Batch, Lanes], Closed]
+    proves: Callable[[Batch, Lanes], Proved]
     counts: str = ""  # field of `Work` that counts these lanes
     # True for a proof about still ground, before which the run calls its observers
     still: bool = False
 
 
-def free_motion(batch: Batch, lanes: Lanes) -> Closed:
-    """Close undamped lanes for which the shaking is over, by the outcome of their free
+def free_motion(batch: Batch, lanes: Lanes) -> Proved:
+    """Prove the outcome of undamped lanes for which the shaking is over, by their free
     motion (Lemma 8).
     """
     at = np.flatnonzero(lanes.segment >= len(batch.segments))
     if not at.size:
-        return Closed(at, at, lanes.peak[at])
+        return Proved(at, at, lanes.peak[at])
     free = batch.contact.free_motion(
         batch.equation, lanes, at, lanes.y[at], lanes.v[at]
     )
@@ -65,13 +65,14 @@ def free_motion(batch: Batch, lanes: Lanes) -> Closed:
             free.overturns_after_impact, Outcome.OVERTURNED_AFTER_IMPACT, Outcome.ROCKED
         ),
     )
-    return Closed(at, outcome, np.maximum(lanes.peak[at], free.peak))
+    return Proved(at, outcome, np.maximum(lanes.peak[at], free.peak))
 
 
-def damped_settling(batch: Batch, lanes: Lanes) -> Closed:
-    """Close damped lanes on still ground that without damping, so with more energy,
-    would neither pass the barrier nor rise above their peak. It also raises the stored
-    peak of lanes on still ground to their next peak where this is known.
+def damped_settling(batch: Batch, lanes: Lanes) -> Proved:
+    """Prove that damped lanes on still ground stay upright: without damping, so with
+    more energy, they would neither pass the barrier nor rise above their peak. It also
+    raises the stored peak of lanes on still ground to their next peak where this is
+    known.
     """
     at = np.flatnonzero(lanes.segment >= batch.shaken)
     y, v = lanes.y[at], lanes.v[at]
@@ -90,37 +91,37 @@ def damped_settling(batch: Batch, lanes: Lanes) -> Closed:
         & ~(most.overturns | most.overturns_after_impact)
         & (most.peak <= lanes.peak[at])
     ]
-    return Closed(at, Outcome.ROCKED, lanes.peak[at])
+    return Proved(at, Outcome.ROCKED, lanes.peak[at])
 
 
-def _rocked(lanes: Lanes, proved: Array) -> Closed:
+def _rocked(lanes: Lanes, proved: Array) -> Proved:
     at = np.flatnonzero(proved)
-    return Closed(at, Outcome.ROCKED, lanes.peak[at])
+    return Proved(at, Outcome.ROCKED, lanes.peak[at])
 
 
-FREE_MOTION = Closing(free_motion, "free_phase", still=True)
-UNSETTLED = Closing(
-    lambda batch, lanes: Closed(
+FREE_MOTION = LaneProof(free_motion, "free_phase", still=True)
+UNSETTLED = LaneProof(
+    lambda batch, lanes: Proved(
         np.flatnonzero(lanes.segment >= len(batch.segments)), Outcome.FAILED, np.nan
     )
 )
 # a lane that has not settled at the end of the still ground fails
 DAMPED = [
-    Closing(damped_settling, still=True),
+    LaneProof(damped_settling, still=True),
     UNSETTLED,
 ]
-STAYS_BELOW_PEAK = Closing(
+STAYS_BELOW_PEAK = LaneProof(
     lambda batch, lanes: _rocked(lanes, stays_below_peak(batch.segments, lanes)),
     "sequences_closed",
 )
-BOUNCES_TO_END = Closing(
+BOUNCES_TO_END = LaneProof(
     lambda batch, lanes: _rocked(
         lanes, bounces_to_end(batch.segments, lanes, batch.equation)
     ),
     "sequences_closed",
 )
-TOO_MANY_IMPACTS = Closing(
-    lambda batch, lanes: Closed(
+TOO_MANY_IMPACTS = LaneProof(
+    lambda batch, lanes: Proved(
         np.flatnonzero(too_many_impacts(batch.segments, lanes, batch.most_steps)),
         Outcome.FAILED,
         np.nan,
@@ -128,8 +129,8 @@ TOO_MANY_IMPACTS = Closing(
 )
 
 
-def closings_of(batch: Batch, observed: bool) -> tuple[list[Closing], list[Closing]]:
-    """(closings for lanes just after an impact, closings for those lanes after they are
+def proofs_of(batch: Batch, observed: bool) -> tuple[list[LaneProof], list[LaneProof]]:
+    """(proofs for lanes just after an impact, proofs for those lanes after they are
     taken from rest to their next uplift) of a run. observed: True if observers look for
     more than peaks and outcomes.
     """
@@ -154,9 +155,9 @@ def closings_of(batch: Batch, observed: bool) -> tuple[list[Closing], list[Closi
     return early, last
 
 
-def _cannot_overturn(batch: Batch) -> list[Closing]:
-    """Return the closing by Lemma 9, none where it is not used: where an envelope also
-    looks at the number of impacts, and under records, where it closes no lane.
+def _cannot_overturn(batch: Batch) -> list[LaneProof]:
+    """Return the proof by Lemma 9, none where it is not used: where an envelope also
+    looks at the number of impacts, and under records, where it proves nothing.
     """
     segments = batch.segments
     if segments.straight or segments.sign_changes > FEW_SIGN_CHANGES:
@@ -165,8 +166,8 @@ def _cannot_overturn(batch: Batch) -> list[Closing]:
 
     bound = ImpulseBound.of(batch.equation, batch.cells, segments)
 
-    def closes(batch: Batch, lanes: Lanes) -> Closed:
+    def proves(batch: Batch, lanes: Lanes) -> Proved:
         at = np.flatnonzero(bound.cannot_overturn(batch.cells, lanes))
-        return Closed(at, Outcome.ROCKED, np.nan)
+        return Proved(at, Outcome.ROCKED, np.nan)
 
-    return [Closing(closes)]
+    return [LaneProof(proves)]
