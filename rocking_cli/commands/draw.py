@@ -33,7 +33,7 @@ def draw(
 
     options.check_target(output, overwrite)
     documents = options.documents_of(files, MOST, "a figure")
-    options.introduce([build_structure(document) for document in documents])
+    list(options.introduced(map(build_structure, documents)))
     draw_structures(
         documents,
         output,

@@ -162,17 +162,11 @@ class Equations(Models):
                 "--linear-uplift lambda goes with --model linear; the nonlinear"
                 " equation lifts at lambda anyway"
             )
-        return lifting(structures, self.linear_uplift)
+        return [lifted(structure, self.linear_uplift) for structure in structures]
 
 
-def lifting(
-    structures: list[RockingParameters], linear_uplift: str
-) -> list[RockingParameters]:
-    """Return the structures, with a_scale = alpha/lambda if --linear-uplift is
+def lifted(structure: RockingParameters, linear_uplift: str) -> RockingParameters:
+    """Return the structure, with a_scale = alpha/lambda if --linear-uplift is
     `lambda`.
     """
-    return (
-        [structure.lifting_at_lambda() for structure in structures]
-        if linear_uplift == "lambda"
-        else structures
-    )
+    return structure.lifting_at_lambda() if linear_uplift == "lambda" else structure

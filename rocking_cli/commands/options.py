@@ -7,7 +7,7 @@ from __future__ import annotations
 import os
 import shlex
 import sys
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
@@ -223,8 +223,7 @@ def structures_of(
         raise click.UsageError("--eta block goes with --alpha")
     structures = [build_structure(document) for document in documents]
     oscillators = [dimensionless_oscillator(eta) for eta in etas if eta is not None]
-    found = with_distinct_names([*structures, *oscillators])
-    introduce(found)
+    found = list(introduced(with_distinct_names([*structures, *oscillators])))
     note_interfaces(found)
     return found, "\n---\n".join(d.text for d in documents)
 
@@ -255,8 +254,10 @@ def members_of(
         for document in documents
         for member in family(document, variations, each)
     ]
-    found = with_distinct_names(
-        [member.parameters for member in every if member.parameters is not None]
+    found = list(
+        with_distinct_names(
+            member.parameters for member in every if member.parameters is not None
+        )
     )
     columns = {}
     for structure in found:
@@ -268,7 +269,7 @@ def members_of(
     for member in every:
         if member.parameters is None:
             note_no_solution(member)
-    introduce(found)
+    found = list(introduced(found))
     note_interfaces(found)
     return found, columns
 
@@ -297,18 +298,9 @@ def documents_of(
     """Return the structure documents of the files; each: see `structures_of`. Raises
     click.UsageError for more than `most`; place: what limits them, in words.
     """
-    from ..structures import on_each_interface, read_documents
+    from ..structures import on_each_interface
 
-    if not files:
-        sizeless = any(
-            parameter.name == "etas"
-            for parameter in click.get_current_context().command.params
-        )
-        instead = ", or --eta with a dimensionless grid" if sizeless else ""
-        raise click.UsageError(
-            f"no structure: give FILE (- for standard input){instead}"
-        )
-    found = [document for path in files for document in read_documents(path)]
+    found = list(each_document(files))
     if most is not None and len(found) > most:
         raise click.UsageError(
             f"found {len(found)} structures; expected at most {most} for {place}"
@@ -320,16 +312,47 @@ def documents_of(
     )
 
 
-def introduce(structures: Sequence[RockingParameters]) -> None:
-    """Print what is to be said of the structures of a call: remarks on their numbers,
-    and the labels that tables have beside them, which the rows of the output keep.
+def each_document(files: tuple[str, ...]) -> Iterator[Any]:
+    """Yield the structure documents of the files one by one. Raises click.UsageError
+    without a file.
     """
-    keep_labels(structures)
-    remark_on(structures)
-    note_spreads(structures)
-    names = list(
-        dict.fromkeys(name for structure in structures for name in structure.labels)
-    )
+    from ..structures import documents_in
+
+    if not files:
+        sizeless = any(
+            parameter.name == "etas"
+            for parameter in click.get_current_context().command.params
+        )
+        instead = ", or --eta with a dimensionless grid" if sizeless else ""
+        raise click.UsageError(
+            f"no structure: give FILE (- for standard input){instead}"
+        )
+    for path in files:
+        yield from documents_in(path)
+
+
+def introduced(
+    structures: Iterable[RockingParameters],
+) -> Iterator[RockingParameters]:
+    """Yield the structures of a call, and keep their labels for the rows of the output.
+    Behind the last one print what is to be said of them: remarks on their numbers, and
+    the labels that tables have beside them.
+    """
+    from ..reports.plausibility import structure_remarks
+
+    remarks: list[str] = []
+    spread: dict[str, None] = {}  # keys
+    names: dict[str, None] = {}  # of labels
+    for structure in structures:
+        remarks += structure_remarks(structure)
+        if structure.drawn_from:
+            spread |= dict.fromkeys(structure.drawn_from.uncertain)
+        if structure.labels:
+            keep_labels([structure])
+            names |= dict.fromkeys(structure.labels)
+        yield structure
+    _tell_remarks(remarks)
+    note_spreads(spread)
     if names:
         shown = ", ".join(names)
         has_columns = any(
@@ -342,11 +365,8 @@ def introduce(structures: Sequence[RockingParameters]) -> None:
         )
 
 
-def note_spreads(structures: Iterable[RockingParameters]) -> None:
+def note_spreads(keys: Collection[str]) -> None:
     """Print which keys have a spread, if the call takes their means."""
-    keys = dict.fromkeys(
-        key for s in structures if s.drawn_from for key in s.drawn_from.uncertain
-    )
     parameters = click.get_current_context().params
     if not keys or parameters.get("draws"):
         return
@@ -362,25 +382,16 @@ def note_interfaces(structures: Iterable[RockingParameters]) -> None:
         below(f"followed on one interface, as if no other opened: {', '.join(names)}")
 
 
-def remark_on(
-    structures: Iterable[RockingParameters] = (),
-    grid: Grid | None = None,
-    spans: str = "",
-) -> None:
-    """Print up to three remarks on numbers of structures, amplitudes and spans that are
-    probably wrong.
-    """
-    from ..reports.plausibility import (
-        bare_remarks,
-        grid_remarks,
-        span_remarks,
-        structure_remarks,
-    )
+def remark_on(grid: Grid | None = None, spans: str = "") -> None:
+    """Print remarks on amplitudes and spans that are probably wrong."""
+    from ..reports.plausibility import bare_remarks, grid_remarks, span_remarks
 
-    remarks = [remark for one in structures for remark in structure_remarks(one)] + (
-        [] if grid is None else list(grid_remarks(grid))
-    )
-    remarks += [*span_remarks(spans), *bare_remarks(spans)]
+    remarks = [] if grid is None else list(grid_remarks(grid))
+    _tell_remarks([*remarks, *span_remarks(spans), *bare_remarks(spans)])
+
+
+def _tell_remarks(remarks: Sequence[str]) -> None:
+    """Print the first three remarks, and the number of the others."""
     more = len(remarks) - _REMARKS
     below(*remarks[:_REMARKS], *([f"and {more} more such remarks"] if more > 0 else []))
 

@@ -16,7 +16,6 @@ from .progress import ProgressLine
 
 if TYPE_CHECKING:
     from ..documents.document import Document
-    from ..structures import RockingParameters
     from ..structures.family import Variation
 
 KEYS = ("name",)  # the column that says which row it is
@@ -65,26 +64,18 @@ def params(
         require_spreads(structures)
         emit(list(drawn.rows(structures)), keys=("name", "quantity"))
         return
-    documents = options.documents_of(files)
     variations = [parse_variation(text) for text in vary]
+    if not variations:
+        early: list[str] = []
+        # a fault of the last document comes before the first row
+        _print(list(_structure_rows(files, linear_uplift, early)))
+        note(*early)
+        return
+    documents = options.documents_of(files)
     variations += _unvaried(over, variations, documents)
-    early: list[RockingParameters] = []
     members: list[dict[str, Any]] = []  # as the CSV has them
-    if variations:
-        rows = _family_rows(documents, variations, linear_uplift, members)
-    else:
-        structures = _built(documents, linear_uplift)
-        rows = _structure_rows(documents, structures, linear_uplift)
-        early = _lifted_early(structures) if form() is None else []
-    _print(rows)
-    if variations:
-        figure.draw(members, over)
-    for s in early:
-        lifts = (
-            f"lifts it at alpha/a_scale = {s.linear_uplift:.4g} g, the body at lambda ="
-            f" {s.uplift:.4g} g"
-        )
-        note(f"{s.name}: the linear equation {lifts}")
+    _print(_family_rows(documents, variations, linear_uplift, members))
+    figure.draw(members, over)
 
 
 def _unvaried(
@@ -115,44 +106,33 @@ def _unvaried(
     return found
 
 
-def _built(documents: Sequence[Document], uplift: str) -> list[RockingParameters]:
-    """Return the structures of documents; uplift: see --linear-uplift."""
-    from ..structures import build_structure, with_distinct_names
-
-    built = with_distinct_names([build_structure(document) for document in documents])
-    built = equations.lifting(built, uplift)
-    options.introduce(built)
-    return built
-
-
-def _lifted_early(structures: Sequence[RockingParameters]) -> list[RockingParameters]:
-    """Return those that the linear equation lifts more than 1 % below lambda g."""
-    return [
-        structure
-        for structure in structures
-        if structure.restraints is None
-        and structure.uplift > 1.01 * structure.linear_uplift
-    ]
-
-
 def _structure_rows(
-    documents: Sequence[Document], structures: Sequence[RockingParameters], uplift: str
+    files: tuple[str, ...], uplift: str, early: list[str]
 ) -> Iterator[dict[str, Any]]:
-    """Yield the rows of structures; those of JSON and CSV hold the other interfaces of
-    a stack.
+    """Yield the rows of the structures of files; those of JSON and CSV hold the other
+    interfaces of a stack. A structure goes before the next one is read. uplift: see
+    --linear-uplift; early: gets a sentence on each structure of a table that the linear
+    equation lifts more than 1 % below lambda g.
     """
-    from ..structures import build_structure, on_each_interface
+    from ..structures import build_structure, on_each_interface, with_distinct_names
     from ..structures.parameters import OTHERS
 
-    for document, structure in zip(documents, structures, strict=True):
-        row = structure.row()
-        if form() is not None:
-            interfaces = on_each_interface(document)[1:]
-            others = [build_structure(interface) for interface in interfaces]
-            if others:
-                lifted = equations.lifting(others, uplift)
-                row[OTHERS] = [other.row() for other in lifted]
-        yield from _rows(row, form())
+    shown = form()
+    built = with_distinct_names(map(build_structure, options.each_document(files)))
+    lifting = (equations.lifted(structure, uplift) for structure in built)
+    for s in options.introduced(lifting):
+        row = s.row()
+        if shown is None:
+            if s.restraints is None and s.uplift > 1.01 * s.linear_uplift:
+                early.append(
+                    f"{s.name}: the linear equation lifts it at alpha/a_scale ="
+                    f" {s.linear_uplift:.4g} g, the body at lambda = {s.uplift:.4g} g"
+                )
+        elif s.document is not None:
+            interfaces = on_each_interface(s.document)[1:]
+            if others := [build_structure(interface) for interface in interfaces]:
+                row[OTHERS] = [equations.lifted(o, uplift).row() for o in others]
+        yield from _rows(row, shown)
 
 
 def _family_rows(
@@ -174,7 +154,7 @@ def _family_rows(
             if member.parameters is None:
                 options.note_no_solution(member)
             else:
-                (structure,) = equations.lifting([member.parameters], uplift)
+                structure = equations.lifted(member.parameters, uplift)
                 keep_labels([structure])
                 members_seen.extend(_rows(structure.row(), "csv", member.shown))
                 yield from _rows(structure.row(), form(), member.shown)
@@ -189,7 +169,7 @@ def _print(rows: Iterable[dict[str, Any]]) -> None:
         return
     flattened = [flat(row) for row in rows]
     columns = dict.fromkeys(chain.from_iterable(flattened))
-    emit([columns | row for row in flattened], keys=KEYS)
+    emit((columns | row for row in flattened), keys=KEYS)
 
 
 def _rows(

@@ -121,13 +121,13 @@ def units_shown(table_units: str | None = None) -> "Units":
 
 def keep_labels(structures: "Iterable[RockingParameters]") -> None:
     """Keep the labels of structures by name: `emit` adds them to the rows of each."""
-    context = click.get_current_context()
-    kept = context.meta.setdefault(f"{__name__}.labels", {})
-    kept |= {
-        structure.name: dict(structure.labels)
-        for structure in structures
-        if structure.labels
-    }
+    meta = click.get_current_context().meta
+    kept = meta.setdefault(f"{__name__}.labels", {})
+    names = meta.setdefault(f"{__name__}.label_names", {})
+    for structure in structures:
+        if structure.labels:
+            kept[structure.name] = dict(structure.labels)
+            names |= dict.fromkeys(structure.labels)
 
 
 def _labelled(
@@ -145,7 +145,7 @@ def _labelled(
             continue
         named = {
             f"label_{name}" if name in row else name: mine.get(name)
-            for name in dict.fromkeys(n for one in kept.values() for n in one)
+            for name in _kept("label_names") or ()
         }
         yield {
             **row,

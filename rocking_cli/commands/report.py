@@ -97,7 +97,7 @@ def report(
 
     def members() -> Members:
         documents.extend(options.documents_of(files, MOST, "a page", each=True))
-        return with_distinct_names([build_structure(d) for d in documents]), {}
+        return list(with_distinct_names(map(build_structure, documents))), {}
 
     stated = demands_on(members, asked, motions, sign).needed(False)
     options.refuse_own_input(wanted.output, stated.shaken.recordings)
@@ -105,7 +105,7 @@ def report(
         require_spreads(stated.structures)
     if by_code is not None:
         require_geometry(stated.structures)
-    options.introduce(stated.structures)
+    list(options.introduced(stated.structures))
     options.note_interfaces(stated.structures)
     limit = Limit(A_MAX)
     demands = at_worst(stated, limit, workers)

@@ -77,7 +77,7 @@ def solve(
     ends = [end.of(motions) for end in asked.ends()]
     shaken = ends[0] if ends else asked.of(motions)
     documents = options.documents_of(files)
-    options.introduce(list(options.built_if_whole(documents)))
+    list(options.introduced(options.built_if_whole(documents)))
     shakes = (shaken.reversed if sign == "-" else shaken).needed()
     varied = parse_variation(wanted.vary, SCAN)
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -20,11 +20,12 @@ if TYPE_CHECKING:
     import yaml
 
 
-def read_documents(path: str | Path) -> list[Document]:
-    """Read all documents of a YAML, JSON or CSV file; `-` is standard input. Raises
-    UsageError (no such file) or DocumentError.
+def documents_in(path: str | Path) -> Iterator[Document]:
+    """Yield the documents of a YAML, JSON or CSV file one by one; `-` is standard
+    input. Raises UsageError (no such file) or DocumentError.
     """
-    return documents_of(*read_bytes(path))
+    source, raw = read_bytes(path)
+    return each_document(text_of(source, raw), source)
 
 
 def documents_of(source: str, raw: bytes) -> list[Document]:
@@ -58,24 +59,38 @@ def parse_documents(text: str, source: str = "<text>") -> list[Document]:
     >>> [document.values["kind"].content for document in documents]
     ['block', 'arch']
     """
-    rows = rows_of_structures(text, source)
-    if rows is None:
-        from .nodes import compose
+    return list(each_document(text, source))
 
-        documents = [
-            _document(node, source, i) for i, node in enumerate(compose(text, source))
-        ]
-    else:
-        documents = [
-            replace(document_of(cells, source, i), cells=tuple(cells))
-            for i, cells in enumerate(rows)
-        ]
-    if not documents:
+
+def each_document(text: str, source: str) -> Iterator[Document]:
+    """Yield the documents of a text one by one, so that a caller who drops them holds
+    one row of a table. Raises DocumentError, as `parse_documents` does.
+    """
+    rows = rows_of_structures(text, source)
+    documents = _of_nodes(text, source) if rows is None else _of_rows(rows, source)
+    if (first := next(documents, None)) is None:
         raise DocumentError(
             f"{Place(source, 1, 1)}: empty; expected a structure document, such as"
             " `kind: block` with width and height"
         )
-    return documents
+    yield first
+    yield from documents
+
+
+def _of_nodes(text: str, source: str) -> Iterator[Document]:
+    """Yield the documents of YAML or JSON."""
+    from .nodes import compose
+
+    for i, node in enumerate(compose(text, source)):
+        yield _document(node, source, i)
+
+
+def _of_rows(rows: Iterable[list[Cell]], source: str) -> Iterator[Document]:
+    """Yield the documents of a table, whose other columns may be labels."""
+    for i, cells in enumerate(rows):
+        document = document_of(cells, source, i)
+        document.cells = tuple(cells)
+        yield document
 
 
 def document_of(cells: Sequence[Cell], source: str, index: int = 0) -> Document:

@@ -312,7 +312,7 @@ def report(
         for document in documents_from(documents)
         for one in on_each_interface(document)
     ]
-    structures = with_distinct_names([build_structure(document) for document in read])
+    structures = list(with_distinct_names(map(build_structure, read)))
     shakes = demands_of(motions, shaking)
     demands = [(one, *shake) for shake in shakes for one in structures]
     return write_page(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import warnings
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -66,25 +66,23 @@ def build_structure(document: Document) -> RockingParameters:
     try:
         built = build(document, name)
         static, kinetic = friction_of(document)
-        built = replace(
+        damping = damping_of(document) + built.damping
+        document.has("labels")  # a key of every kind, also of installed packages
+        document.finish(known_keys)
+        sized = (*size_remarks(document, built), *cut_remarks(document))
+        return replace(
             built,
-            damping=damping_of(document) + built.damping,
+            damping=damping,
             friction=static,
             kinetic_friction=kinetic,
+            labels=labels_of(document),
+            remarks=(*built.remarks, *sized),
+            document=document,
         )
     except StructureError as error:
         raise DocumentError(
             f"{document.place}: {document.values['kind'].content}: {error}"
         ) from None
-    document.has("labels")  # a key of every kind, also of those of installed packages
-    document.finish(known_keys)
-    sized = (*size_remarks(document, built), *cut_remarks(document))
-    return replace(
-        built,
-        labels=labels_of(document),
-        remarks=(*built.remarks, *sized),
-        document=document,
-    )
 
 
 def cut_remarks(document: Document) -> list[str]:
@@ -129,18 +127,22 @@ def read_documents(path: str | Path) -> list[Document]:
     >>> [document.source for document in read_documents("configs/arch.yaml")]
     ['configs/arch.yaml']
     """
+    return list(documents_in(path))
+
+
+def documents_in(path: str | Path) -> Iterator[Document]:
+    """Yield the documents of a file one by one, as `read_documents` returns them."""
+    from ..documents import parsing
     from ..documents.files import is_document_text
-    from ..documents.parsing import parse_documents
-    from ..documents.parsing import read_documents as of_file
 
     if isinstance(path, str) and is_document_text(path):
-        return parse_documents(path)
+        return iter(parsing.parse_documents(path))
     stated = None
     if ":" in str(path):
         from .inline import inline_document
 
         stated = inline_document(str(path))
-    return of_file(path) if stated is None else [stated]
+    return parsing.documents_in(path) if stated is None else iter([stated])
 
 
 def on_each_interface(document: Document) -> list[Document]:
@@ -251,15 +253,13 @@ def load_structures(
     [('Column', '2.6717'), ('Oppenheim', '1.8421')]
     """
     paths = [paths] if isinstance(paths, str | Path) else paths
-    documents = [
+    documents = (
         one
         for path in paths
-        for document in read_documents(path)
+        for document in documents_in(path)
         for one in on_each_interface(document)
-    ]
-    structures = with_distinct_names(
-        [build_structure(document) for document in documents]
     )
+    structures = list(with_distinct_names(map(build_structure, documents)))
     for remark in dict.fromkeys(
         remark for structure in structures for remark in structure.remarks
     ):
@@ -269,22 +269,18 @@ def load_structures(
 
 def with_distinct_names(
     structures: Iterable[RockingParameters],
-) -> list[RockingParameters]:
-    """Return the same structures with distinct names: a repeated name gets a number.
+) -> Iterator[RockingParameters]:
+    """Yield the same structures with distinct names: a repeated name gets a number.
     Spectra files identify structures by name.
     """
-    taken: set[str] = set()
-    named = []
+    last: dict[str, int] = {}  # number of each name that is taken; none below is free
     for structure in structures:
-        name, number = structure.name, 1
-        while name in taken:
-            number += 1
-            name = f"{structure.name}-{number}"
-        taken.add(name)
-        named.append(
-            structure if name == structure.name else replace(structure, name=name)
-        )
-    return named
+        name = structure.name
+        while name in last:
+            last[structure.name] += 1
+            name = f"{structure.name}-{last[structure.name]}"
+        last[name] = 1
+        yield structure if name == structure.name else replace(structure, name=name)
 
 
 __all__ = [

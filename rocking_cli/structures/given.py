@@ -69,7 +69,7 @@ def structures_from(given: Structure | Sequence[Structure]) -> list[RockingParam
         else:
             found.append(build_structure(one))
     read = any(not isinstance(one, RockingParameters) for one in several)
-    return with_distinct_names(found) if read else found
+    return list(with_distinct_names(found)) if read else found
 
 
 def structure_from(given: Structure) -> RockingParameters:

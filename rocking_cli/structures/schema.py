@@ -26,7 +26,7 @@ from ..documents.asking import (
     Questions,
     plain_of,
 )
-from ..documents.parsing import read_documents
+from ..documents.parsing import documents_in
 from ..documents.quantities import SMALLEST_LENGTH, UNITS, accepted
 from ..errors import RockingError
 from ..plugins import installed
@@ -126,7 +126,7 @@ def _shipped_documents() -> tuple[tuple[str, Node], ...]:
     found = []
     for path in sorted(Path(home).parent.glob("*.yaml")) if home else []:
         text = path.read_text(encoding="utf-8")
-        for document in read_documents(path):
+        for document in documents_in(path):
             plain = {key: plain_of(value) for key, value in document.values.items()}
             found.append((text, plain))
     return tuple(found)

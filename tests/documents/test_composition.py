@@ -10,8 +10,8 @@ from support.refusals import refuses
 
 from rocking_cli import DocumentError, build_structure, parse_documents
 from rocking_cli.documents import files, nodes
-from rocking_cli.documents.parsing import read_documents
 from rocking_cli.motions.motion_document import build_motion
+from rocking_cli.structures import read_documents
 
 BLOCK = "kind: block\nwidth: 1\nheight: 5\n"
 REFUSED = [
