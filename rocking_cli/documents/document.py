@@ -35,6 +35,7 @@ MEANT = {
     "b": "width",
     "weight": "mass",
 }
+_A_LENGTH = f"a positive length, from {SMALLEST_LENGTH:g} m"
 LABELS = "labels"  # the key of texts that the computation does not use
 
 
@@ -297,12 +298,7 @@ class Document:
         DocumentError
             for an absent key, another unit, or a length that is not positive
         """
-        return self.quantity(
-            key,
-            "length",
-            least=SMALLEST_LENGTH,
-            where=f"a positive length, from {SMALLEST_LENGTH:g} m",
-        )
+        return self.quantity(key, "length", least=SMALLEST_LENGTH, where=_A_LENGTH)
 
     def choice(
         self, key: str, options: Sequence[str], default: str | None = None

@@ -4,6 +4,7 @@ import os
 import select
 import stat
 import sys
+from functools import lru_cache
 from pathlib import Path
 
 from ..errors import DocumentError, UsageError
@@ -27,6 +28,7 @@ def whole_text(text: str) -> str:
     return text.encode("utf-8", "backslashreplace").decode()
 
 
+@lru_cache  # every row of a table asks for that of its file
 def named_after(path: str | Path) -> str:
     """Return the name that a file gives to what it holds, by default."""
     return whole_text(Path(path).stem)

@@ -23,6 +23,8 @@ WIDTH = 100  # columns of a table, if no terminal says otherwise
 _GAP = "  "  # between two columns
 _LEAST = 4  # characters of a column that gives way to others
 _NUMBER = re.compile(r"(?:[<>] ?)?[-+]?\d+(?:\.\d*)?(?:e[-+]?\d+)?")
+# most values of a row; to find that one is no Mapping takes ten times as long
+_SCALARS = (float, str, int, type(None))
 # a spreadsheet reads a text that begins so as a formula, after blanks and in full width
 # too
 _FORMULA = ("=", "+", "-", "@")
@@ -302,18 +304,14 @@ def flat(row: Row) -> dict[str, Any]:
     """
     out: dict[str, Any] = {}
     for key, value in row.items():
-        items = (
-            value.items()
-            if isinstance(value, Mapping)
-            else enumerate(value, 1)
-            if isinstance(value, list | tuple)
-            else None
-        )
-        out |= (
-            {key: value}
-            if items is None
-            else flat({f"{key}_{name}": item for name, item in items})
-        )
+        if isinstance(value, _SCALARS):
+            out[key] = value
+        elif isinstance(value, Mapping):
+            out |= flat({f"{key}_{name}": item for name, item in value.items()})
+        elif isinstance(value, list | tuple):
+            out |= flat({f"{key}_{i}": item for i, item in enumerate(value, 1)})
+        else:
+            out[key] = value
     return out
 
 
@@ -356,6 +354,8 @@ def _plain(value: Any) -> Any:
     """Return a value as JSON has it, with None for a number that is not finite."""
     if isinstance(value, float) and not math.isfinite(value):
         return None
+    if isinstance(value, _SCALARS):
+        return value
     if isinstance(value, Mapping):
         return {str(k): _plain(v) for k, v in value.items()}
     if isinstance(value, list | tuple):

@@ -37,19 +37,22 @@ def restraints_in(document: Document) -> list[str]:
     """Return the document's keys of restraints. Raises DocumentError for one without a
     value, which would silently leave them out.
     """
+    found = [key for key in RESTRAINTS if document.has(key)]
     for key in RESTRAINTS:
-        if not document.has(key) and key in document.values:
+        if key in document.values and key not in found:
             raise document.fault(key, "nothing", f"the {key}, or no such key")
-    return [key for key in RESTRAINTS if document.has(key)]
+    return found
 
 
 def has_loads(document: Document) -> bool:
     """True if the document has loads. Raises DocumentError for the key without a value,
     which would silently leave them out.
     """
-    if not document.has("loads") and "loads" in document.values:
+    if document.has("loads"):
+        return document.values["loads"].content != []
+    if "loads" in document.values:
         raise document.fault("loads", "nothing", "the loads, or no such key")
-    return document.has("loads") and document.values["loads"].content != []
+    return False
 
 
 def weight_of_loads(document: Document) -> float:

@@ -128,7 +128,7 @@ def _module(word: str) -> Any:
     TypeError if it is not a module of a kind.
     """
     if word in KINDS:
-        return import_module(f".{KINDS[word]}", __package__)
+        return _own_module(KINDS[word])
     kind = (entry := installed(GROUP)[word]).load()
     made = any(callable(getattr(kind, name, None)) for name in ("body", "build"))
     if not (made and isinstance(getattr(kind, "REPORTS", None), tuple | list)):
@@ -137,6 +137,12 @@ def _module(word: str) -> Any:
             " REPORTS, a tuple of keys"
         )
     return kind
+
+
+@cache
+def _own_module(name: str) -> Any:
+    """Return a module of this package."""
+    return import_module(f".{name}", __package__)
 
 
 def _with_shared_keys(

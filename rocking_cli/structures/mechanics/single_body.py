@@ -53,6 +53,20 @@ class EdgeParameters(NamedTuple):
         """Return the parameters on this edge with the restitution `eta`."""
         return Side(name, self.p, self.alpha, self.uplift, 1.0, eta, self.arm)
 
+    def alone(self, eta: float, **more: Any) -> RockingParameters:
+        """Return the parameters of a body on this edge, or on two edges that are like
+        it; more: their other fields.
+        """
+        return RockingParameters(
+            p=self.p,
+            alpha=self.alpha,
+            eta=eta,
+            uplift=self.uplift,
+            a_scale=1.0,
+            arm=self.arm,
+            **more,
+        )
+
 
 @dataclass(frozen=True, kw_only=True)
 class RigidBody:
@@ -135,17 +149,7 @@ class RigidBody:
         eta, source = one_sided_restitution_of(
             document, (right.eta, left.eta), self.backing
         )
-        return RockingParameters(
-            p=right.p,
-            alpha=right.alpha,
-            eta=eta,
-            uplift=right.uplift,
-            a_scale=1.0,
-            arm=right.arm,
-            eta_source=source,
-            one_sided=True,
-            **more,
-        )
+        return right.alone(eta, eta_source=source, one_sided=True, **more)
 
     def _on_both_edges(
         self,
@@ -156,6 +160,8 @@ class RigidBody:
     ) -> RockingParameters:
         """Return the parameters on the left and the right edge."""
         eta_left, source = restitution_of(document, left.eta, self.limit)
+        if left == right:
+            return right.alone(eta_left, eta_source=source, **more)
         eta_right, _ = restitution_of(document, right.eta, self.limit)
         return RockingParameters.of_sides(
             left=left.side("left", eta_left),
