@@ -183,10 +183,9 @@ def _rows(
     if form == "json":
         yield row
         return
-    hidden = {"labels"}  # emit has them
-    if varied is not None:
-        hidden |= set(VARIED)
-    row = {key: value for key, value in row.items() if key not in hidden}
+    # emit has the labels
+    for key in ("labels",) if varied is None else ("labels", *VARIED):
+        row.pop(key, None)
     sides = row.pop("sides", [])
     below: list[dict[str, Any]] = []
     if form == "csv":
@@ -194,8 +193,9 @@ def _rows(
     else:
         row, below = _table_rows(row, sides)
     # alpha of a block is both a varied key and a parameter
-    values = {_apart(heading, row): value for heading, value in (varied or {}).items()}
-    yield {**values, **row}
+    if varied:
+        row = {_apart(heading, row): x for heading, x in varied.items()} | row
+    yield row
     yield from below
 
 
@@ -213,7 +213,7 @@ def _csv_row(
         columns |= {f"{name}_{key}": x for key, x in side.items() if key != "side"}
     if OTHERS in row:
         columns[OTHERS] = json.dumps(row[OTHERS])
-    return {**row, **columns}
+    return row | columns
 
 
 def _table_rows(

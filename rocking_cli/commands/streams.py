@@ -63,7 +63,7 @@ def put(*lines: str) -> None:
     """Write lines on standard output, each at once."""
     for line in lines:
         with lock:
-            if sys.stdout.isatty():
+            if _standing and sys.stdout.isatty():
                 erase()
             sys.stdout.write(f"{printable(line)}\n")
             sys.stdout.flush()

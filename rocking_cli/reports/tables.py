@@ -3,13 +3,13 @@ of column names to values.
 """
 
 import csv
-import io
 import json
 import math
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import zip_longest
 from textwrap import wrap
+from types import SimpleNamespace
 from typing import Any, NamedTuple
 from unicodedata import normalize
 
@@ -363,11 +363,13 @@ def _plain(value: Any) -> Any:
     return value
 
 
+# `writerow` returns what `write` returns: the text itself
+_WRITER = csv.writer(SimpleNamespace(write=str), lineterminator="")
+
+
 def _csv_row(values: Iterable[Any]) -> str:
     """Return headings or values as a line of CSV without its end."""
-    out = io.StringIO()
-    csv.writer(out, lineterminator="").writerow(map(csv_cell, values))
-    return out.getvalue()
+    return str(_WRITER.writerow(map(csv_cell, values)))
 
 
 def csv_cell(value: Any) -> Any:

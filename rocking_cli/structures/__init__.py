@@ -7,7 +7,7 @@ import warnings
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ..documents.files import named_after
 from ..documents.spreads import NOTED_CUT
@@ -70,15 +70,17 @@ def build_structure(document: Document) -> RockingParameters:
         document.has("labels")  # a key of every kind, also of installed packages
         document.finish(known_keys)
         sized = (*size_remarks(document, built), *cut_remarks(document))
-        return replace(
-            built,
-            damping=damping,
-            friction=static,
-            kinetic_friction=kinetic,
-            labels=labels_of(document),
-            remarks=(*built.remarks, *sized),
-            document=document,
-        )
+        stated: dict[str, Any] = {
+            "damping": damping,
+            "friction": static,
+            "kinetic_friction": kinetic,
+            "labels": labels_of(document),
+            "remarks": (*built.remarks, *sized),
+            "document": document,
+        }
+        # most bodies are complete: a copy would cost as much as they did
+        changed = {key: x for key, x in stated.items() if getattr(built, key) != x}
+        return replace(built, **changed) if changed else built
     except StructureError as error:
         raise DocumentError(
             f"{document.place}: {document.values['kind'].content}: {error}"

@@ -53,7 +53,8 @@ def _check_numbers(of: Side | RockingParameters) -> None:
         ("lambda", of.uplift),
         ("a_scale", of.a_scale),
     ):
-        _require(label, x, x > 0.0, "a positive finite number")
+        if not 0.0 < x < math.inf:
+            _require(label, x, False, "a positive finite number")
     if of.alpha < LEAST_ALPHA:
         raise StructureError(
             f"alpha is {of.alpha:g} rad; expected {LEAST_ALPHA:g} rad or more"

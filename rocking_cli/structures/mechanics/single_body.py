@@ -105,6 +105,7 @@ class RigidBody:
             "gravity": gravity,
             "details": self._details(document, inset, body),
             "top": body._top_arms(),
+            "document": document,
         }
         if document.has("strength"):
             more["remarks"] = toe_of(document, self.foot).remarks
