@@ -16,6 +16,7 @@ from support.shown_commands import README, ROOT
 from rocking_cli.commands import cli
 from rocking_cli.commands.ground import OF_A_PULSE
 from rocking_cli.commands.help import page
+from rocking_cli.documents.asking import AskedDocument, Questions, plain_of
 from rocking_cli.documents.quantities import UNITS, si_unit
 from rocking_cli.motions.intensity_measures import MEASURES, Measure, measure_of
 from rocking_cli.motions.pulses import PULSES
@@ -81,8 +82,10 @@ def test_every_key_of_a_kind_is_in_the_schema():
     asked = {}
     for path in sorted((ROOT / "configs").glob("*.yaml")):
         for document in read_documents(path):
-            build_structure(document)
-            asked |= dict.fromkeys(document.asked, path.name)
+            log = Questions()
+            plain = {key: plain_of(value) for key, value in document.values.items()}
+            build_structure(AskedDocument.of(plain, log))
+            asked |= dict.fromkeys((k for k in log.known if "." not in k), path.name)
     missing = {key: name for key, name in asked.items() if key not in known_keys()}
     assert not missing, f"schema.json lacks keys of these files: {missing}; make schema"
 

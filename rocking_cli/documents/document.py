@@ -12,6 +12,7 @@ import math
 import re
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, field, replace
+from functools import lru_cache
 
 from ..errors import ArgumentError, DocumentError, did_you_mean
 from .composition import Place, Value
@@ -608,32 +609,14 @@ class Document:
                 raise self._unknown(key)
         if unknown:
             self._keep_labels(unknown)
+        # the other names, which only a fault tells, are more than the document itself
+        self.asked &= self.keys.keys()
 
     def _meant(self, heading: str) -> str:
         """Return the key that the heading of a column probably means, an empty text for
         a label.
         """
-        from difflib import get_close_matches
-
-        word = heading.strip().casefold()
-        if MEANT.get(word) in self.asked:
-            return MEANT[word]
-        begun = [key for key in self.asked if len(word) > 2 and key.startswith(word)]
-        named = [
-            key
-            for key in re.split(r"[^a-z]+", word)
-            if key in self.asked - self.keys.keys() - {"name", "kind"}
-        ]
-        return next(
-            iter(
-                [
-                    *get_close_matches(word, sorted(self.asked), n=1, cutoff=0.8),
-                    *begun,
-                    *named,
-                ]
-            ),
-            "",
-        )
+        return _key_like(heading, frozenset(self.asked), frozenset(self.keys))
 
     def _unknown(self, key: str) -> DocumentError:
         """Return the error for a key that no method asked for."""
@@ -731,6 +714,27 @@ class Document:
             bare={},
             uncertain={},
         )
+
+
+@lru_cache  # every row of a table asks for that of its labels
+def _key_like(heading: str, asked: frozenset[str], stated: frozenset[str]) -> str:
+    """Return the key among those asked for that the heading of a column probably means,
+    an empty text for a label; stated: the keys of the document.
+    """
+    from difflib import get_close_matches
+
+    word = heading.strip().casefold()
+    if MEANT.get(word) in asked:
+        return MEANT[word]
+    known = sorted(asked)
+    begun = [key for key in known if len(word) > 2 and key.startswith(word)]
+    named = [
+        key
+        for key in re.split(r"[^a-z]+", word)
+        if key in asked - stated - {"name", "kind"}
+    ]
+    close = get_close_matches(word, known, n=1, cutoff=0.8)
+    return next(iter([*close, *begun, *named]), "")
 
 
 def _range_text(above: float, below: float, least: float, most: float) -> str:

@@ -1,8 +1,12 @@
 """`rocking params` at the shell."""
 
 import math
+import sys
+import weakref
 
 import pytest
+
+from rocking_cli.documents.document import Document
 
 
 def test_json_lines_are_documents_again(rocking):
@@ -213,3 +217,56 @@ def test_labels_of_a_table_are_named_and_kept(rocking, tmp_path, command):
         "outcome" if command[0] == "params" else "label_outcome"
     )  # check has a column of this name
     assert [(row["room"], row[own]) for row in rows] == [("2 b", "seen"), ("", "")]
+
+
+def table(rows: int) -> str:
+    """A table of blocks of one name, with a label."""
+    body = "".join(f"block,A,0.5,{2 + i / rows},x{i}\n" for i in range(rows))
+    return f"kind,name,width,height,room\n{body}"
+
+
+@pytest.mark.parametrize("form", ["--csv", "--json"])
+def test_a_row_of_a_table_goes_before_the_next_one_is_read(rocking, monkeypatch, form):
+    met, most = [], []
+    finish = Document.finish
+
+    def counted(document, *given):
+        met.append(weakref.ref(document))
+        most.append(sum(one() is not None for one in met))
+        finish(document, *given)
+
+    monkeypatch.setattr(Document, "finish", counted)
+    done = rocking("params", "-", form, "-q", stdin=table(30))
+    assert (len(met), len(done.stdout.splitlines())) == (30, 30 + (form == "--csv"))
+    assert max(most) <= 3  # the one that is read, and those that loops still name
+
+
+def test_a_fault_of_the_last_row_comes_before_the_first_one(rocking):
+    for form in ("--csv", "--json"):
+        done = rocking("params", "-", form, stdin=table(3) + "block,A,0.5,x,\n")
+        assert (done.returncode, done.stdout) == (3, "")
+        assert "<stdin>:5:4: height: found x; expected" in done.stderr
+
+
+def test_the_work_on_a_table_grows_with_its_rows(rocking):
+    """Counted in lines of Python: a search through all rows for each row shows."""
+
+    def lines(rows: int) -> int:
+        count = 0
+
+        def trace(frame, event, argument):
+            nonlocal count
+            count += event == "line"
+            return trace
+
+        before = sys.gettrace()
+        sys.settrace(trace)
+        try:
+            rocking("params", "-", "--csv", "-q", stdin=table(rows))
+        finally:
+            sys.settrace(before)
+        return count
+
+    lines(2)  # imports
+    few, more, most = (lines(rows) for rows in (50, 150, 350))
+    assert most - more == pytest.approx(2 * (more - few), rel=0.02)

@@ -256,3 +256,9 @@ def test_a_document_of_any_depth_is_refused_in_its_place():
     text = '{"kind": "block", "labels": %s}' % ("[" * 100_000 + "]" * 100_000)
     with pytest.raises(DocumentError, match="<text>:1:48: nested too deeply"):
         parse_documents(text)
+
+
+def test_a_document_that_was_read_keeps_its_own_keys_only():
+    (document,) = parse_documents("{kind: block, name: A, width: 1, height: 5}")
+    build_structure(document)
+    assert document.asked == {*document.keys, "labels"}
