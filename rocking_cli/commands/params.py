@@ -67,8 +67,10 @@ def params(
     variations = [parse_variation(text) for text in vary]
     if not variations:
         early: list[str] = []
-        # a fault of the last document comes before the first row
-        _print(list(_structure_rows(files, linear_uplift, early)))
+        rows = _structure_rows(files, linear_uplift, early)
+        # a fault of the last document comes before the first row; a CSV waits for its
+        # header anyway
+        _print(rows if form() == "csv" else list(rows))
         note(*early)
         return
     documents = options.documents_of(files)
