@@ -13,7 +13,7 @@ _SHORT = re.compile(
 )
 # what a motion is made for, as in `spectrum-compatible` or `matched to the spectrum`
 _COMPATIBLE = re.compile(
-    r"(?:response |design |target |elastic |code )*\w*(?:spe[ck]tr|spettr)\w*[\s-]*"
+    r"\b(?:response |design |target |elastic |code )*\w*(?:spe[ck]tr|spettr)\w*[\s-]*"
     r"(?:[ck]ompatib|match|fitted|consistent)\w*"
 )
 _AIM = re.compile(
