@@ -206,7 +206,7 @@ def _one_by_one(
     The march on arrays decides bodies that bounce for very long, and undamped bodies
     on level ground are tested for lost contact one after the other too.
     """
-    from .single.one_by_one import OneByOne
+    from .one.one_by_one import OneByOne
 
     # The peaks may prove that Fz > 0.
     prove = bool(np.any(cells[0] > system.safe_amplitude(motion)))

@@ -14,8 +14,8 @@ from typing import NamedTuple
 import numpy as np
 
 from ..dynamics.batch import Batch
+from ..dynamics.one.lane import Lane
 from ..dynamics.outcome import safe
-from ..dynamics.single.lane import Lane
 from ..dynamics.system import System
 from ..motions.motion import Motion
 from .changes import Brackets, narrowed

@@ -13,9 +13,9 @@ import numpy as np
 
 from ..dynamics.equations.recurrence import motion_terms
 from ..dynamics.method import joined
+from ..dynamics.one.lane import Lane, LaneEdge
+from ..dynamics.one.step import value
 from ..dynamics.outcome import Outcome
-from ..dynamics.single.lane import Lane, LaneEdge
-from ..dynamics.single.series_roots import value
 from .record_lines import RecordLines
 
 Array = np.ndarray

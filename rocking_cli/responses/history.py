@@ -1,21 +1,20 @@
 """The response of one body in time: every arc as a series, and the events.
 
-`history` listens to the march of one body on floats. Only the last, invisible part of a
+`history` records the march of one body on floats. Only the last, invisible part of a
 sequence of impacts is summed; all else is followed in time. After the motion the ground
 is at rest.
 """
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 
 from ..dynamics.batch import MAX_STEPS
-from ..dynamics.drive import drive_change
-from ..dynamics.lanes import Lanes
+from ..dynamics.one.lane import Lane
+from ..dynamics.one.march import march
+from ..dynamics.one.state import Listener
 from ..dynamics.outcome import FALLEN, LOST, Outcome
-from ..dynamics.single.lane import Lane
-from ..dynamics.single.march import march
-from ..dynamics.single.state import Listener
 from ..dynamics.system import System
 from ..errors import ArgumentError
 from ..motions.given import AnyMotion, motion_from
@@ -25,9 +24,6 @@ from .arcs import INVISIBLE, Event, History, HistoryArcs, Writer
 
 Array = np.ndarray
 
-# part of the speed INVISIBLE at which the rest of a bouncing is summed, and bounces
-# until then at most
-_SUMMED, _UNSEEN = (1e-3, 1000)
 LONGEST = 1e9  # tau: beyond, doubles do not tell the times of an arc apart
 
 
@@ -113,16 +109,17 @@ def history(
     )
 
 
-class _MarchWriter(Writer):
+class _MarchWriter(Writer, Listener):
     """Writes down the march of one body on floats."""
+
+    visible = INVISIBLE
 
     def __init__(
         self, system: System, segments: Segments, omega: float, eta: float
     ) -> None:
         super().__init__(system.equation, omega)
-        self.system = system
         self.lane = Lane(system, segments, omega, eta)
-        self.segments = self.lane.segments
+        self.fallen = self._fallen(1.0), self._fallen(-1.0)
 
     def _fallen(self, side: float) -> float:
         """Return the y at which a body counts as fallen: theta/alpha = `FALLEN`, or the
@@ -135,23 +132,13 @@ class _MarchWriter(Writer):
         )
 
     def record(self, amplitude: float, release: float, duration: float) -> History:
-        listener = Listener(
-            self.add_arc,
-            self._note,
-            self._rest,
-            INVISIBLE,
-            (self._fallen(1.0), self._fallen(-1.0)),
-        )
-        self.cells = self.system.contact.cells(
-            self.equation, np.array([amplitude]), self.lane.omega, self.lane.eta
-        )
         with np.errstate(all="ignore"):
             ended = march(
                 self.lane,
                 amplitude,
-                listener=listener,
+                listener=self,
                 release=release,
-                most=MAX_STEPS + 40 * len(self.segments),
+                most=MAX_STEPS + 40 * len(self.lane.segments),
             )
             arcs = self.arcs()
             if ended.outcome.overturned:
@@ -174,7 +161,18 @@ class _MarchWriter(Writer):
             return Outcome.ROCKED if words else Outcome.NO_UPLIFT
         return outcome
 
-    def _note(self, tau: float, event: str, side: float, y: float, v: float) -> None:
+    def keep(
+        self,
+        start: float,
+        reach: float,
+        side: float,
+        pace: float,
+        h: float,
+        terms: Sequence[float],
+    ) -> None:
+        self.add_arc(start, reach, side, pace, h, terms)
+
+    def note(self, tau: float, event: str, side: float, y: float, v: float) -> None:
         self.add_event(tau, event, side, y, v, self.omega / self.lane.omega_of(side))
 
     def _overturn(self, arcs: HistoryArcs) -> None:
@@ -205,7 +203,7 @@ class _MarchWriter(Writer):
         point = arcs.points(arc, np.array([high]))
         if float(point.y[0]) >= fallen * (1.0 - 1e-9):
             self.events = [e for e in self.events if e.tau <= high]
-            self._note(
+            self.note(
                 high,
                 "overturning",
                 float(arcs.side[i]),
@@ -225,52 +223,6 @@ class _MarchWriter(Writer):
                 tau, LOST, ratio, rate, float(arcs.side[-1]) if arcs.side.size else 1.0
             )
         )
-
-    def _rest(self, before: Lanes, after: Lanes) -> None:
-        """Note the rest at the end of the bounces, and the uplift after it."""
-        rest = self._end_of_bounces(before)
-        lifts = after.segment[0] < len(self.segments)
-        if not lifts or self._tau(after) > rest:
-            self._note(rest, "rest", 1.0, 0.0, 0.0)
-        if lifts:
-            self._note(self._tau(after), "uplift", float(after.side[0]), 0.0, 0.0)
-
-    def _tau(self, lanes: Lanes) -> float:
-        return self.lane.tau(int(lanes.segment[0]), float(lanes.phase[0]))
-
-    def _end_of_bounces(self, lanes: Lanes) -> float:
-        """Return the tau at which bounces too low to be seen come to rest: each bounce
-        under a force linear in time, the last ones by the sum of a series.
-        """
-        lanes, contact = lanes.take(np.zeros(1, dtype=np.int64)), self.system.contact
-        least = _SUMMED * lanes.v
-        for _ in range(_UNSEEN):
-            if lanes.v <= least:
-                break
-            h, change = -2.0 * lanes.v / lanes.force, np.zeros(1)
-            for _ in range(3):
-                change = self._force_at_ground(lanes, h) - lanes.force
-                h = -2.0 * lanes.v / (lanes.force + change / 3.0)
-            fall = lanes.v + h * (lanes.force + 0.5 * change)
-            force = lanes.force + change
-            lanes.phase += lanes.omega * h
-            contact.impact(self.cells, lanes, fall, force)
-            lanes.force = self._force_at_ground(lanes, np.zeros(1))
-        weight = self.segments.weight(
-            lanes.side, lanes.amplitude, lanes.segment, lanes.phase
-        )
-        rest = contact.sequence_time(lanes, weight) * lanes.omega / self.omega
-        return self._tau(lanes) + float(rest[0])
-
-    def _force_at_ground(self, lanes: Lanes, h: Array) -> Array:
-        """Return the force on a body at theta = 0 after a time h [tau of its side]."""
-        seg, u = self.segments, lanes.phase + lanes.omega * h
-        k = np.minimum(lanes.segment, len(seg) - 1)  # the ground is still at the end
-        b = (
-            -lanes.side * lanes.amplitude * (seg.s_start[k] + drive_change(seg, k, u))
-            - 1.0
-        )
-        return seg.force_at_impact(lanes.side, lanes.amplitude, k, u, b)
 
 
 def quarter_period(system: System, release: float) -> float:

@@ -101,12 +101,7 @@ def product_terms(a: Series, b: Series, c: Series) -> tuple[Any, Any]:
     """
     if type(b) is not list:
         return product_term(a, b), product_term(a, c)
-    by_b, by_c, n = 0.0, 0.0, len(b) - 1
-    for x in a:
-        by_b += x * b[n]
-        by_c += x * c[n]
-        n -= 1
-    return by_b, by_c
+    return sum(map(mul, a, reversed(b))), sum(map(mul, a, reversed(c)))
 
 
 def known(force: Any, own: Any) -> Any:

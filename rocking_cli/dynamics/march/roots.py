@@ -23,7 +23,7 @@ _ROUNDS = 80
 
 
 @lru_cache(maxsize=64)
-def _from_powers(count: int) -> Array:
+def from_powers(count: int) -> Array:
     """(count, count) matrix: converts coefficients of powers to Bernstein coefficients
     on [0, 1].
     """
@@ -34,7 +34,7 @@ def _from_powers(count: int) -> Array:
 
 def bernstein_form(terms: Array) -> Array:
     """Bernstein coefficients on [0, 1] of polynomials, (terms, lanes)."""
-    return product(_from_powers(len(terms)), terms)
+    return product(from_powers(len(terms)), terms)
 
 
 @lru_cache(maxsize=64)

@@ -180,6 +180,21 @@ def test_cells_stay_within_five_tolerances(oppenheim, n, damping):
         assert max(gaps) < 5 * tolerance
 
 
+def test_the_least_tolerance_is_kept(oppenheim):
+    """A series has no more terms than F and G are given with."""
+    coarse, fine = (
+        response(
+            System(MechanismEquation(oppenheim.mechanism, tolerance)),
+            sine(),
+            np.array([1.5, 1.8]),
+            6.0,
+            0.6,
+        ).theta_ratio
+        for tolerance in (1e-11, 1e-13)
+    )
+    np.testing.assert_allclose(fine, coarse, rtol=0.0, atol=5e-11)
+
+
 def test_an_arch_that_barely_moves_is_its_linear_oscillator_to_first_order_in_alpha():
     """As alpha tends to 0 the nonlinear arch tends to the linear one: their difference
     is proportional to alpha, 0.0009 and 0.0002 here.

@@ -2,7 +2,6 @@
 together afterwards.
 """
 
-import math
 from collections.abc import Sequence
 from itertools import zip_longest
 
@@ -19,6 +18,31 @@ from .state import Listener
 
 # reach [tau of the side], side, h and Taylor terms in (t/h)^n
 Arc = tuple[float, float, float, Sequence[float]]
+
+
+class _KeptArcs(Listener):
+    """Keeps the arcs of a march."""
+
+    def __init__(self, loss: ContactLoss) -> None:
+        self.arcs: list[Arc] = []
+        self.loss = loss
+
+    def keep(
+        self,
+        start: float,
+        reach: float,
+        side: float,
+        pace: float,
+        h: float,
+        terms: Sequence[float],
+    ) -> None:
+        self.arcs.append((reach, side, h, terms))
+
+    def may_close(self, lanes: Lanes) -> bool:
+        return bool(self.loss.may_close(lanes)[0])
+
+    def free(self, lanes: Lanes) -> None:
+        self.loss.free(lanes)
 
 
 def loses_contact(lane: Lane, amplitude: float, most: int) -> bool:
@@ -41,36 +65,9 @@ def loses_contact(lane: Lane, amplitude: float, most: int) -> bool:
         ),
     )
     # March once and keep every arc. Fz is then looked at along all of them together.
-    arcs: list[Arc] = []
-
-    def keep(
-        _start: float,
-        reach: float,
-        side: float,
-        _pace: float,
-        h: float,
-        terms: Sequence[float],
-    ) -> None:
-        arcs.append((reach, side, h, terms))
-
-    edges = lane.edges(amplitude)
-    tops = edges[1.0].top, edges.get(-1.0, edges[1.0]).top
-    march(
-        lane,
-        amplitude,
-        peaks=False,
-        most=most,
-        listener=Listener(
-            keep,
-            lambda *_: None,
-            lambda *_: None,
-            math.inf,
-            tops,
-            loss.free,
-            lambda lanes: loss.may_close(lanes)[0],
-        ),
-    )
-    lanes, flow, reach = _joined(lane, cells, arcs)
+    kept = _KeptArcs(loss)
+    march(lane, amplitude, peaks=False, most=most, listener=kept)
+    lanes, flow, reach = _joined(lane, cells, kept.arcs)
     there = flow.at(reach)
     loss.arcs(
         Arcs(lanes, flow, reach, there.y, there.v, there.b, np.arange(reach.size))

@@ -3,11 +3,10 @@
 import numpy as np
 
 from ...motions.segments import Segments
+from ..lanes import Array
 from ..system import System
 from .lane import Lane
 from .march import march
-
-Array = np.ndarray
 
 _STEPS = 20_000  # largest number of steps of a cell ...
 _FOR_EACH = 10  # ... and its growth with each segment

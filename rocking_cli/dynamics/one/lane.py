@@ -1,0 +1,158 @@
+"""One body on floats before its march: the motion as lists, its edges, and its equation
+on each.
+"""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ...motions.segments import Segments
+from ..batch import SETTLING
+from ..equations.equation import Equation
+from ..equations.taylor import LONGEST, size_limits
+from ..lanes import Cells, Lanes
+from ..system import System
+from .motion_lists import MotionLists
+
+# the longest of the first so many segments gives the number of terms of the series
+_SAMPLED = 1 << 12
+
+
+class LaneEdge(NamedTuple):
+    """An edge that the body rocks on."""
+
+    side: float  # +1 right (theta > 0), -1 left
+    drive: float  # outward drive of s = 1 [-]
+    omega: float  # omega_g / p of the side [-]
+    sway: float  # zg''/g of s_v = 1 [-]
+    # speed after over speed before the impact that leaves the side [-], each speed in
+    # the unit of its side
+    speed_ratio: float
+    cycle_ratio: float  # the same for a bounce until the body is back on this side [-]
+    unit: float  # y = 1 of this side, in the unit of the first side
+    top: float  # y of the unstable equilibrium
+    limit: float  # y from which the body lies on its side
+    equation: Equation  # equation of this edge, with numbers that are floats
+
+    def net(self, s: float, up: float) -> float:
+        """The net drive c at these values of s and of the vertical s_v."""
+        return self.drive * s - self.sway * up
+
+
+def _float_of(number: Any) -> float:
+    """The first of the numbers of an array, or the number itself."""
+    return float(np.ravel(number)[0])
+
+
+class Lane:
+    """One body under one motion at one Omega, for any amplitude: its edges, and the
+    motion as lists.
+    """
+
+    def __init__(
+        self, system: System, segments: Segments, omega: float, eta: float
+    ) -> None:
+        self.omega = np.array([omega])
+        self.eta = np.array([eta])
+        self.shaken = len(segments)  # number of segments of the motion itself
+        cells = system.contact.cells(system.equation, np.ones(1), self.omega, self.eta)
+        # no closed form of the free motion: march on over still ground
+        if system.equation.damping:
+            segments = segments.followed_by_rest(
+                SETTLING
+                * (1.0 + 3.0 * system.equation.damping)
+                * float(cells.omega.max())
+            )
+        self.system = system
+        self.segments = segments
+        self.motion = MotionLists(segments)
+        self.zeta = float(system.equation.damping)
+        self.longest = float(np.max(segments.length[: min(self.shaken, _SAMPLED)]))
+        # The edges under A = 1. A body that comes back on the same side has one edge.
+        self._unit = {1.0: self._edge(cells, 1.0)}
+        if system.contact.alike:
+            right = self._unit[1.0]
+            self._unit[-1.0] = right._replace(side=-1.0, drive=-right.drive)
+        elif system.contact.left:
+            self._unit[-1.0] = self._edge(cells, -1.0)
+
+    def edges(self, amplitude: float) -> dict[float, LaneEdge]:
+        """Return the edges, by the sign of their side, under a motion of this amplitude
+        A: those of A = 1 with their drive and sway scaled.
+        """
+        return {
+            side: edge._replace(
+                drive=amplitude * edge.drive, sway=amplitude * edge.sway
+            )
+            for side, edge in self._unit.items()
+        }
+
+    def _edge(self, cells: Cells, side: float) -> LaneEdge:
+        """Return the edge of a side under A = 1."""
+        at, lanes = np.array([side]), self.lanes(cells, side)
+        equation, weighed = self.system.equation.on(at), self.segments.weighed
+        contact, there = self.system.contact, self.system.contact.other_side(lanes)
+        sway = 0.0
+        if weighed is not None:
+            sway = _float_of(weighed.sway(at, lanes.amplitude))
+        eta, one = float(lanes.eta[0]), np.ones(1)
+        return LaneEdge(
+            side=side,
+            drive=-side * float(lanes.amplitude[0]),
+            omega=float(lanes.omega[0]),
+            sway=sway,
+            speed_ratio=eta,
+            cycle_ratio=eta if there is None else eta * _float_of(there.back),
+            unit=float(contact.converted(one, at, one, np.zeros(1, dtype=int))[0]),
+            top=_float_of(equation.displacement(np.ones(1))),
+            limit=_float_of(equation.limit),
+            equation=self.system.equation.edge(side),
+        )
+
+    def size_limits(self, omega: float) -> list[float]:
+        """Return the largest sizes for which series of degree 3, 4 ... hold over the
+        longest line (`taylor.size_limits`).
+        """
+        return size_limits(
+            min(self.longest / omega, LONGEST), self.system.equation.tolerance
+        )
+
+    def lanes(self, cells: Cells, side: float) -> Lanes:
+        """Return a lane for each cell on a side, at rest at the start of the motion."""
+        at = np.arange(cells.amplitude.shape[1])
+        sides = np.full(at.size, side)
+        zero = np.zeros(at.size)
+        count = np.zeros(at.size, dtype=np.int64)
+        amplitude, omega, eta = (
+            values[cells.row(sides), at].astype(float) for values in cells
+        )
+        return Lanes(
+            at,
+            amplitude,
+            omega,
+            eta,
+            count,
+            zero,
+            sides,
+            zero.copy(),
+            zero.copy(),
+            zero.copy(),
+            zero.copy(),
+            count.copy(),
+            count.copy(),
+            np.zeros((4, at.size)),
+        )
+
+    def tau(self, k: int, u: float) -> float:
+        """Time [tau of the first side] from the start of the motion to phase u of
+        segment k.
+        """
+        seg, last = self.segments, len(self.segments) - 1
+        return (
+            float(seg.start[min(k, last)])
+            + (u if k <= last else float(seg.length[last]))
+        ) / float(self.omega[0])
+
+    def omega_of(self, side: float) -> float:
+        """omega_g over the p of a side."""
+        return self._unit.get(side, self._unit[1.0]).omega

@@ -1,0 +1,398 @@
+"""The march of one body on floats, from event to event.
+
+A step is a Taylor series on which y' changes its sign at most once (`step`), so the
+signs of y at its end and at its turn tell whether the body struck the ground. It ends
+where the series no longer holds, or where the motion has another closed form: at the
+end of a straight line, or of a piece of sinusoids, across whose peaks it goes.
+"""
+
+import math
+from bisect import bisect_left
+
+import numpy as np
+
+from ..condition import through_impact
+from ..contacts.lasting_bounces import too_many_impacts
+from ..contacts.sequences import BELOW_ROUNDING, STILL
+from ..drive import place
+from ..equations.recurrence import motion_terms
+from ..equations.taylor import LONGEST, MOST_TERMS
+from ..outcome import Outcome
+from .lane import Lane, LaneEdge
+from .state import Ended, Listener, MarchState
+from .step import (
+    bulge,
+    end_of,
+    keeps_its_sign,
+    one_turn,
+    only_fall,
+    root,
+    shorter,
+    turn_of,
+    value,
+)
+
+_LONGEST = 4.0  # tau: longest step along sinusoids
+_SHORTEST = 1e-14  # tau: a body whose series holds no longer than this fails
+_INSTANT = 1e-9  # tau: this close to a free fall of the ground the weight counts as 0
+# tau: moments of an error are carried over no longer arcs, and over several lines of a
+# record at once as long as these together are no longer
+_SLOWLY, _WAITS = 0.5, 0.25
+# part of the speed `visible` at which the rest of a bouncing is summed, and bounces
+# until then at most
+_SUMMED, _UNSEEN = 1e-3, 1000
+# 1/((n + 1)(n + 2)), by which term n + 2 of y follows from term n of y''
+_RECIPROCALS = [1.0 / ((n + 1) * (n + 2)) for n in range(MOST_TERMS)]
+
+
+def march(
+    lane: Lane,
+    amplitude: float,
+    *,
+    peaks: bool = True,
+    listener: Listener | None = None,
+    release: float = 0.0,
+    most: int = 1 << 62,
+) -> Ended:
+    """The outcome of a body under A = amplitude, from rest or released to the right
+    from theta/alpha = release.
+
+    peaks: True if the largest rotation is wanted; most: number of steps and of impacts
+    beyond which the outcome is FAILED.
+    """
+    return _March(lane, amplitude, peaks, listener, most).run(release)
+
+
+class _March(MarchState):
+    """The march of one body, from event to event."""
+
+    def run(self, release: float) -> Ended:
+        if release:
+            first = self.equation.on(np.ones(1))
+            self.y = float(first.displacement(np.array([release]))[0])
+            self.peak = max(self.peak, self.y)
+            self._note("release", self.y, 0.0)
+        else:
+            self._lift(first=True)
+        while self.end is None:
+            if self.segment >= self.motion.count:
+                self._leave_on_still_ground()
+            # Only damped bodies march on over still ground, until they have settled.
+            elif (
+                self.segment < self.lane.shaken
+                or self.listener is not None
+                or not self._settled()
+            ):
+                self.steps += 1
+                self._step()
+                if self.steps > self.most and self.end is None:
+                    self._finish(Outcome.FAILED)
+        return self.end
+
+    def _step(self) -> None:
+        """Take one step, to its end or to an impact in it."""
+        edge, block = self.edge, self.motion.at(self.segment)
+        left = whole = (
+            block.ahead[self.segment - block.first] - self.phase
+        ) / edge.omega
+        if self.free_fall is not None and self.free_fall.occurs[0]:
+            left = min(whole, float(self.free_fall.time_left(self._lanes())[0]))
+            if left <= _INSTANT:
+                self._fall_freely()
+                return
+        terms, h = self._held_series(left)
+        y, speed = end_of(terms)
+        if not math.isfinite(speed) or h < min(left, _SHORTEST):
+            self._finish(Outcome.FAILED)
+            return
+
+        # One turn at most, by the chord of y' or by its Bernstein coefficients.
+        outward, turns = terms[1] > 0.0, False
+        if not keeps_its_sign(terms, speed):
+            share, outward, turns = one_turn(terms)
+            if share < 1.0:
+                h *= share
+                terms = shorter(terms, share)
+                y, speed = end_of(terms)
+        if not outward and terms[0] == terms[1] == 0.0:
+            # Rounding has lifted the body at the peak of the drive.
+            self.segment, self.phase = self.segment + 1, 0.0
+            self._lift()
+            return
+
+        hit = self._hit(terms, h, y, outward, turns)
+        reach = h if hit is None else hit * h
+        self._keep(reach, h, terms)
+        if reach == whole:
+            self.segment, self.phase = block.after[self.segment - block.first], 0.0
+        else:
+            self._go(reach * edge.omega)
+        v = speed / h if hit is None else min(value(terms, hit, h)[1], 0.0)
+        if self.carries:
+            end = y if hit is None else 0.0
+            if reach > _SLOWLY:
+                self._carry_along(terms, h, reach)
+            self._carry_on(end, v, math.fmod(reach, _SLOWLY), _WAITS)
+        if hit is None:
+            self.y, self.v, self.force = y, v, None
+            if self.end is None:
+                self._test_overturning()
+        else:
+            self._carry_on(0.0, v, 0.0)
+            self._impact(v)
+
+    def _carry_along(self, terms: list[float], h: float, reach: float) -> None:
+        """Carry the moments over the part `reach` [tau] of a long step, in parts over
+        which they change slowly, but for the rest of the last one.
+        """
+        for i in range(1, int(reach / _SLOWLY) + 1):
+            self._carry_on(*value(terms, i * _SLOWLY / h, h), _SLOWLY, _WAITS)
+
+    def _held_series(self, left: float) -> tuple[list[float], float]:
+        """(terms over a step as long as the series holds, at most `left`; its length
+        [tau]).
+        """
+        equation, straight = self.edge.equation, self.motion.straight
+        drive, weight, unit, degree = self._line(left) if straight else self._waves()
+        if equation.composed:
+            degree = min(degree, equation.composed)
+        if self.factors_of != (unit, degree):  # most steps have those of the one before
+            square = unit * unit
+            self.factors = [square * c for c in _RECIPROCALS[: degree - 1]]
+            self.factors_of = unit, degree
+        terms = motion_terms(
+            equation, self.y, self.v, unit, self.factors, drive, weight, self.force
+        )
+
+        # The last two terms tell for how long the series holds the tolerance.
+        h = unit if straight else min(left, _LONGEST)
+        error = abs(terms[-1]) + 0.25 * unit * abs(terms[-2])
+        allowed = self.least * unit
+        if not straight or error > allowed:
+            if error:
+                h = min(h, unit * (allowed / error) ** (1.0 / (degree - 1)))
+            terms = shorter(terms, h / unit)
+
+        # F and G of a table hold up to a distance from y.
+        if equation.composed:
+            room, moved = equation.room(self.y), sum(map(abs, terms[1:]))
+            if moved > room:
+                h *= room / moved
+                terms = shorter(terms, room / moved)
+        return terms, h
+
+    def _line(self, left: float) -> tuple[list[float], list[float] | None, float, int]:
+        """(series of the outward drive, series of the weight, unit of time, degree that
+        the motion needs) along a straight line.
+        """
+        edge, block, unit = self.edge, self.motion.block, min(left, LONGEST)
+        i = self.segment - block.first
+        length = block.length[i]
+        over, part = self.phase / length, unit * edge.omega / length
+        gain, weight = edge.drive * block.rise[i], None
+        drive = [edge.drive * block.start[i] + gain * over, gain * part]
+        size = 2.0 + abs(self.v) + abs(drive[0]) + abs(drive[1]) / unit
+        if block.up:
+            gain = edge.sway * block.up_rise[i]
+            weight = [1.0 + edge.sway * block.up[i] + gain * over, gain * part]
+            size += abs(weight[0]) + abs(weight[1]) / unit
+        return drive, weight, unit, 3 + bisect_left(self.limits[edge.side], size)
+
+    def _waves(self) -> tuple[list[float], list[float] | None, float, int]:
+        """As `_line`, along a piece of sinusoids."""
+        edge, weight = self.edge, None
+        waves = self.motion.waves(self.segment)
+        unit = 1.0 / (1.0 + edge.omega * max(wave.fastest for wave in waves))
+        drive, *up = (
+            wave.terms(self.phase, unit * edge.omega, MOST_TERMS - 1) for wave in waves
+        )
+        s, rise = self.motion.value(self.segment, self.phase)
+        drive = [edge.drive * x for x in drive]
+        drive[0] = edge.drive * s
+        if up:
+            weight = [edge.sway * x for x in up[0]]
+            weight[0] = 1.0 + edge.sway * rise
+        return drive, weight, unit, MOST_TERMS
+
+    def _hit(
+        self, terms: list[float], h: float, y: float, outward: bool, turns: bool
+    ) -> float | None:
+        """The x of the only impact in a step with this y at its end; None without one.
+        A peak in the step is recorded.
+        """
+        if not turns:
+            return only_fall(terms, 1.0) if y <= 0.0 and not outward else None
+        if outward:
+            highest = max(terms[0], y) + bulge(terms)
+            if y > 0.0 and not self._matters(highest):
+                return None
+            turn = turn_of(terms)
+            self._pass_peak(turn * h, value(terms, turn)[0])
+            return root(terms, turn, 1.0, 2.0 * turn) if y <= 0.0 else None
+        if min(terms[0], y) > bulge(terms):
+            return None
+        turn = turn_of(terms)
+        return only_fall(terms, turn) if value(terms, turn)[0] <= 0.0 else None
+
+    def _matters(self, highest: float) -> bool:
+        """True if a peak of at most this y may change a result."""
+        return (
+            self.listener is not None
+            or highest >= self.edge.limit
+            or (self.watched and self._onto_first(highest) > self.peak)
+        )
+
+    def _pass_peak(self, t: float, y: float) -> None:
+        """Record a peak t [tau of the side] after the present instant."""
+        top = self._onto_first(y)
+        if self.carries and top >= self.peak:
+            self._at_peak(self._moments_at(y, 0.0, t)[0], y)
+        if self.watched:
+            self.peak = max(self.peak, top)
+        if y >= self.edge.limit:  # it lies on its side
+            self._finish(self._overturned())
+        else:
+            self._note("peak", y, 0.0, t * self.edge.omega)
+
+    def _go(self, phase: float) -> None:
+        """Go on by a phase [rad] within the piece, or to the start of the next one."""
+        k, u = self.segment, self.phase + phase
+        block = self.motion.at(k)
+        i = k - block.first
+        while u >= block.length[i]:
+            if block.after[i] == k + 1:
+                k, u = k + 1, 0.0
+                break
+            u -= block.length[i]
+            i, k = i + 1, k + 1
+        self.segment, self.phase = k, u
+
+    def _impact(self, v: float) -> None:
+        """Apply an impact with velocity v <= 0 by the rule of the contact."""
+        edge = self.edge
+        self._note("impact", 0.0, v)
+        if self.segment < self.lane.shaken and not self.ending:
+            self.impacts += 1
+        self.bounced = True
+        # A one-sided body has one edge and comes back onto it.
+        to = self.edges.get(-edge.side, edge)
+        self.edge, self.y, self.v = to, 0.0, -edge.speed_ratio * v
+        fall = 1.0 - self._net(to, self.segment, self.phase)
+        self.force = -fall
+        if self.carries:
+            drag = 2.0 * self.lane.zeta
+            self.moments = through_impact(
+                self.moments,
+                (v, self._net(edge, self.segment, self.phase) - 1.0 - drag * v),
+                (self.v, self.force - drag * self.v),
+                edge.omega / to.omega,
+            )
+            self.carried = 0.0, self.v, 0.0
+        if self.ending:
+            self.unseen += 1
+            if self.v <= self.ending or self.unseen >= _UNSEEN:
+                self._rest()
+        # Ask now and then, each time the number of impacts has doubled, whether they
+        # would never end.
+        elif (
+            self.impacts > 15
+            and self.impacts & (self.impacts - 1) == 0
+            and self._bounces_too_often()
+        ):
+            self._finish(Outcome.FAILED)
+        elif self.segment < self.motion.count and self._comes_to_rest(to, fall):
+            if self.listener is not None and math.isfinite(self.listener.visible):
+                self.ending, self.unseen = _SUMMED * self.v, 0
+            if not self.ending:
+                self._rest()
+
+    def _comes_to_rest(self, edge: LaneEdge, fall: float) -> bool:
+        """True if the bounces are proved to end in rest before any other event, and
+        need not be shown (Lemma 7).
+        """
+        if self.v >= STILL and not self._may_rest(edge, fall):
+            return False
+        lanes = self._lanes()
+        ends = (
+            self.v < STILL
+            or self.contact.sequence_ends(self.segments, lanes, self.equation)[0]
+        )
+        return bool(ends) and (self.listener is None or self.listener.may_close(lanes))
+
+    def _may_rest(self, edge: LaneEdge, fall: float) -> bool:
+        """The part of the test of Lemma 7 that needs no arrays: False if the lemma
+        cannot prove that the bounces end in this segment.
+        """
+        v = self.v
+        if (
+            fall <= 0.0
+            or v * v >= 0.05 * fall * fall
+            or (self.listener is not None and v >= self.listener.visible)
+        ):
+            return False
+        if v < BELOW_ROUNDING or edge.cycle_ratio >= 1.0:
+            return v < BELOW_ROUNDING
+        # 3 v/(1 - q)/f must fit into the rest of the segment: the lemma tries no
+        # shorter duration.
+        block = self.motion.at(self.segment)
+        left = block.length[self.segment - block.first] - self.phase
+        return 3.0 * v * edge.omega <= (1.0 - edge.cycle_ratio) * fall * left
+
+    def _rest(self) -> None:
+        """Let the body rest, and go to the next uplift."""
+        rest = 0.0
+        if self.listener is not None:
+            lanes = self._lanes()
+            lasts = self.contact.sequence_time(
+                lanes,
+                self.segments.weight(
+                    lanes.side, lanes.amplitude, lanes.segment, lanes.phase
+                ),
+            )
+            pace = self.edge.omega / float(self.lane.omega[0])
+            rest = self.lane.tau(self.segment, self.phase) + float(lasts[0]) * pace
+        self.ending = 0.0
+        self._lift(rest=rest)
+
+    def _lift(self, first: bool = False, rest: float = math.inf) -> None:
+        """Go from rest to the next uplift; end the march if there is none. rest:
+        instant at which the body has come to rest [tau].
+        """
+        at = np.array([self.segment]), np.array([self.phase])
+        lift = self.contact.uplift(
+            self.cells, self.segments, np.zeros(1, dtype=np.int64), *at
+        )
+        k, u = place(self.segments, lift.segment, lift.phase)
+        self.segment, self.phase, self.y, self.v = int(k[0]), float(u[0]), 0.0, 0.0
+        self.force = float(lift.force[0])
+        self.moments, self.carried = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+        lifts = self.segment < self.motion.count
+        if self.listener is not None:
+            tau = self.lane.tau(self.segment, self.phase)
+            if rest < math.inf and (not lifts or tau > rest):
+                self.listener.note(rest, "rest", 1.0, 0.0, 0.0)
+        self.edge = self.edges.get(float(lift.side[0]), self.edge)
+        if lifts:
+            self._note("uplift", 0.0, 0.0)
+            return
+        fallen = self.free_fall is not None and self.free_fall.occurs[0]
+        self._finish(
+            Outcome.LOST_CONTACT
+            if fallen
+            else Outcome.NO_UPLIFT
+            if first
+            else Outcome.ROCKED
+        )
+
+    def _bounces_too_often(self) -> bool:
+        """True if the body would need more steps than allowed within this segment."""
+        if (
+            self.segment >= self.lane.shaken
+            or self.lane.zeta
+            or not self.contact.alike
+            or self.segments.weighed is not None
+        ):
+            return False
+        lanes = self._lanes()
+        lanes.steps[0] = self.impacts
+        return bool(too_many_impacts(self.segments, lanes, self.most)[0])

@@ -1,0 +1,327 @@
+"""The state of one body on floats and its end: overturning, free fall, still ground."""
+
+import math
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from ..batch import FreeFall
+from ..condition import STEEP, Moments, along, at_free_peak, slope_between
+from ..equations.taylor import WITHIN
+from ..lanes import Lanes
+from ..outcome import FALLEN, Outcome
+from .lane import Lane, LaneEdge
+
+
+class Ended(NamedTuple):
+    """The end of a march."""
+
+    outcome: Outcome  # outcome of the body
+    theta_ratio: float  # max |theta|/alpha [-], NaN where the body fell
+    impacts: int  # number of impacts during the shaking
+    # instant at which the ground falls away from the body [tau], None if it does not
+    lost: float | None = None
+    # condition of the largest rotation, where it is carried
+    condition: float = math.nan
+
+
+class Listener:
+    """What a march shows of its motion. The methods do nothing; a subclass overrides
+    those that it needs.
+    """
+
+    # speed |y'| down to which bounces are shown, infinite if the instant at which the
+    # body comes to rest does not matter
+    visible = math.inf
+    # y to which a fall is followed, on the right side and on the left; None up to where
+    # it is certain
+    fallen: tuple[float, float] | None = None
+
+    def keep(
+        self,
+        start: float,
+        reach: float,
+        side: float,
+        pace: float,
+        h: float,
+        terms: Sequence[float],
+    ) -> None:
+        """Called with each arc: its start, its duration [tau of the side], its side,
+        tau of the side over tau, and its terms over a step h.
+        """
+
+    def note(self, tau: float, event: str, side: float, y: float, v: float) -> None:
+        """Called with each event."""
+
+    def may_close(self, lanes: Lanes) -> bool:
+        """False where the body must bounce on instead of resting at once."""
+        return True
+
+    def free(self, lanes: Lanes) -> None:
+        """Called where an undamped body is left on still ground."""
+
+
+class MarchState:
+    """The state of a march: segment k and phase u in it, the edge the body is on, y and
+    y', the force if it is known to more digits than the drive tells, and the largest y
+    so far in the unit of the first side.
+    """
+
+    def __init__(
+        self,
+        lane: Lane,
+        amplitude: float,
+        peaks: bool,
+        listener: Listener | None,
+        most: int,
+    ) -> None:
+        self.lane, self.motion, self.segments = lane, lane.motion, lane.segments
+        self.contact, self.equation = lane.system.contact, lane.system.equation
+        self.cells = self.contact.cells(
+            self.equation, np.array([amplitude]), lane.omega, lane.eta
+        )
+        self.edges = lane.edges(amplitude)
+        self.listener = listener
+        self.most = most  # number of steps, and of impacts, that are too many
+        # The state, as in `Lanes`; the force is None where it follows from the drive.
+        self.segment, self.phase, self.y, self.v = 0, 0.0, 0.0, 0.0
+        self.force: float | None = None
+        self.edge = self.edges[1.0]
+        # largest y so far, in the unit of the first side; infinite if none is wanted
+        self.watched = peaks or listener is not None
+        self.peak = 0.0 if self.watched else math.inf
+        # second moments of an error (`condition`), where they are carried: of the state
+        # y, y' in `carried`, with the time since [tau], and of |theta|/alpha at the
+        # largest peak
+        self.carries = peaks and listener is None
+        self.moments: Moments = (0.0, 0.0, 0.0)
+        self.carried = (0.0, 0.0, 0.0)
+        self.peak_moment = 0.0
+        self.impacts = self.steps = 0
+        self.bounced = False  # True after the first impact
+        # speed at which the rest of a bouncing is summed, while it is no longer shown
+        self.ending = 0.0
+        self.unseen = 0
+        self.least = WITHIN * self.equation.tolerance
+        self.factors: list[float] = []  # factors of the last series ...
+        self.factors_of = (0.0, 0)  # ... and their (unit, degree)
+        # largest sizes for which series of degree 3, 4 ... hold, by side
+        self.limits = (
+            {side: lane.size_limits(edge.omega) for side, edge in self.edges.items()}
+            if self.motion.straight
+            else {}
+        )
+        self.end: Ended | None = None  # None while the march goes on
+        self.free_fall = FreeFall.of(lane.segments, self.cells, lane.shaken)
+
+    def _leave_on_still_ground(self) -> None:
+        """End the march on still ground: undamped by the closed form of the free motion
+        (Lemma 8).
+        """
+        if self.lane.zeta:
+            # the march does not test this before if there is a listener
+            if not self._settled():
+                self._finish(Outcome.FAILED)
+            return
+        lanes = self._lanes()
+        if self.listener is not None:
+            self.listener.free(lanes)
+        free = self.contact.free_motion(
+            self.equation, lanes, np.array([0]), lanes.y, lanes.v
+        )
+        if free.overturns[0]:
+            self._finish(self._overturned())
+        elif free.overturns_after_impact[0]:
+            self._finish(Outcome.OVERTURNED_AFTER_IMPACT)
+        else:
+            highest = self._onto_first(float(free.peak[0]))
+            if self.carries and highest > self.peak:
+                self._carry_on(self.y, self.v, 0.0)
+                moment = at_free_peak(
+                    np.array([self.moments]).T,
+                    lanes.y,
+                    lanes.v,
+                    lambda y, v: (
+                        self.contact.free_motion(
+                            self.equation, lanes, np.array([0]), y, v
+                        ).peak
+                    ),
+                )
+                self._at_peak(float(moment[0]), float(free.peak[0]))
+            self.peak = max(self.peak, highest)
+            self._finish(Outcome.ROCKED)
+
+    def _settled(self) -> bool:
+        """True, and the march ends, if a damped body on still ground would even without
+        damping pass neither the barrier nor its peak.
+        """
+        lanes, equation = self._lanes(), self.equation.on(np.array([self.edge.side]))
+        peak = equation.damped_peak(lanes.y, lanes.v)
+        if np.isfinite(peak[0]):
+            lanes.y[:], lanes.v[:] = peak, 0.0
+            self.peak = max(self.peak, self._onto_first(float(peak[0])))
+        if float(equation.rotation(lanes.y)[0]) >= 1.0:
+            return False
+        # Lemma 8: the undamped peaks are above those of this body.
+        most = self.contact.free_motion(
+            self.equation, lanes, np.array([0]), lanes.y, lanes.v
+        )
+        if (
+            most.overturns[0]
+            or most.overturns_after_impact[0]
+            or self._onto_first(float(most.peak[0])) > self.peak
+        ):
+            return False
+        self._finish(Outcome.ROCKED)
+        return True
+
+    def _test_overturning(self) -> None:
+        """End the march of a body beyond the unstable equilibrium if no later drive can
+        bring it back (Lemma 6).
+        """
+        edge, top = self.edge, self.edge.top
+        if self.listener is not None and self.listener.fallen is not None:
+            top = self.listener.fallen[0 if edge.side > 0.0 else 1]
+        if not (self.y >= edge.limit or (self.y >= top and self.v > 0.0)):
+            return
+        side = np.array([edge.side])
+        inward = self.segments.strongest_inward(
+            side,
+            np.array([abs(edge.drive)]),
+            np.array([min(self.segment, len(self.segments) - 1)]),
+        )
+        y, v = np.array([self.y]), np.array([self.v])
+        steady = self.segments.weighed is None
+        if self.equation.on(side).certainly_overturns(y, v, inward, steady)[0]:
+            self._finish(self._overturned())
+
+    def _fall_freely(self) -> None:
+        """End the march of a body from which the ground falls away now."""
+        equation = self.equation.on(np.array([self.edge.side]))
+        fallen = float(equation.rotation(np.array([self.y]))[0]) >= FALLEN
+        self._finish(self._overturned() if fallen else Outcome.LOST_CONTACT)
+
+    def _lanes(self) -> Lanes:
+        """Return this body as `Lanes` with one lane."""
+        edge = self.edge
+        force = self.force
+        if force is None:
+            force = self._net(edge, self.segment, self.phase) - 1.0
+        numbers = (
+            0,
+            abs(edge.drive),
+            edge.omega,
+            edge.speed_ratio,
+            self.segment,
+            self.phase,
+            edge.side,
+            self.y,
+            self.v,
+            force,
+            self._between(self.peak, 1.0, edge.side),
+            0,
+            0,
+            0.0,
+        )
+        lanes = Lanes(*(np.array([x]) for x in numbers))
+        lanes.moments = np.array([[*self.moments, self.peak_moment]]).T
+        return lanes
+
+    def _moments_at(self, y: float, v: float, t: float) -> Moments:
+        """The moments at a state (y, v) on this arc, t [tau] after the present one."""
+        y0, v0, since = self.carried
+        h, zeta = since + t, self.lane.zeta
+        slope = slope_between(self.edge.equation, (y0, v0), (y, v), h)
+        rate = math.sqrt(max(float(np.ravel(slope)[0]), STEEP) + zeta * zeta)
+        return along(self.moments, math.exp(rate * h), h, rate, math.exp(-zeta * h))
+
+    def _carry_on(self, y: float, v: float, t: float, least: float = 0.0) -> None:
+        """Carry the moments on to a state (y, v), t [tau] after the present one, if
+        they have waited for longer than `least`: they change slowly.
+        """
+        y0, v0, since = self.carried
+        if self.carries and since + t > least:
+            self.moments = self._moments_at(y, v, t)
+            self.carried = y, v, 0.0
+        else:
+            self.carried = y0, v0, since + t
+
+    def _at_peak(self, moment: float, y: float) -> None:
+        """Keep the second moment of y at the largest peak so far, at y."""
+        equation = self.equation.on(np.array([self.edge.side]))
+        rate = float(equation.rotation_rate(np.array([y]), np.ones(1))[0])
+        self.peak_moment = rate * rate * moment
+
+    def _onto_first(self, y: float) -> float:
+        """The displacement on the first side that is as large a part of alpha as y on
+        the present side.
+        """
+        return self._between(y, self.edge.side, 1.0)
+
+    def _between(self, y: float, side: float, to: float) -> float:
+        if side == to or self.contact.alike:
+            return y
+        own, here, there = (np.array([x]) for x in (y, side, to))
+        cell = np.zeros(1, dtype=np.int64)
+        return float(self.contact.converted(own, here, there, cell)[0])
+
+    def _net(self, edge: LaneEdge, k: int, u: float) -> float:
+        """The net drive c at phase u of segment k; 0 on the still ground after the
+        motion.
+        """
+        if k >= self.motion.count:
+            return 0.0
+        return edge.net(*self.motion.value(k, u))
+
+    def _overturned(self) -> Outcome:
+        return (
+            Outcome.OVERTURNED_AFTER_IMPACT
+            if self.bounced
+            else Outcome.OVERTURNED_NO_IMPACT
+        )
+
+    def _keep(self, reach: float, h: float, terms: Sequence[float]) -> None:
+        """Show an arc from the present instant on to the listener, if there is one."""
+        if self.listener is not None and not self.ending:
+            self.listener.keep(
+                self.lane.tau(self.segment, self.phase),
+                reach,
+                self.edge.side,
+                float(self.lane.omega[0]) / self.edge.omega,
+                h,
+                terms,
+            )
+
+    def _note(self, event: str, y: float, v: float, ahead: float = 0.0) -> None:
+        """Show an event to the listener, if there is one; ahead: phase from the present
+        instant on [rad].
+        """
+        if self.listener is not None and not self.ending:
+            tau = self.lane.tau(self.segment, self.phase + ahead)
+            self.listener.note(tau, event, self.edge.side, y, v)
+
+    def _finish(self, outcome: Outcome) -> Ended:
+        """End the march with this outcome. A body that would rock where the ground
+        falls away from it has lost contact.
+        """
+        ratio = math.nan
+        if outcome == Outcome.NO_UPLIFT:
+            ratio = 0.0
+        elif outcome == Outcome.ROCKED and self.watched:
+            first = self.equation.on(np.ones(1))
+            ratio = float(np.ravel(first.rotation(np.array([self.peak])))[0])
+        if (
+            outcome == Outcome.ROCKED
+            and self.free_fall is not None
+            and self.free_fall.occurs[0]
+        ):
+            outcome, ratio = Outcome.LOST_CONTACT, math.nan
+        lost = None
+        if outcome == Outcome.LOST_CONTACT and self.free_fall is not None:
+            lost = self.lane.tau(
+                int(self.free_fall.segment[0]), float(self.free_fall.phase[0])
+            )
+        condition = math.sqrt(self.peak_moment)
+        self.end = Ended(outcome, ratio, self.impacts, lost, condition)
+        return self.end
