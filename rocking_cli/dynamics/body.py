@@ -80,9 +80,16 @@ class Body(NamedTuple):
     # push over ground acceleration [-], (edges,); empty for 1
     a_scale: tuple[Any, ...] = ()
 
+    @property
+    def cellwise(self) -> tuple[str, ...]:
+        """The fields that may differ from cell to cell in one march."""
+        return "alpha", "kappa", "a_scale"
+
     @classmethod
-    def of_cells(cls, bodies: Sequence["Body"], counts: Sequence[int]) -> "Body":
+    def of_each_cell(cls, bodies: Sequence["Body"], counts: Sequence[int]) -> "Body":
         """Return the body of each cell, for so many cells of each of these bodies."""
+        if len(set(bodies)) == 1:
+            return bodies[0]
         alpha, kappa, a_scale = (
             tuple(np.repeat(edge, counts) for edge in zip(*values, strict=True))
             for values in zip(

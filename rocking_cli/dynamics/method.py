@@ -5,7 +5,7 @@ entry of EQUATIONS, imported where it is used.
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
-from typing import TYPE_CHECKING, Any, NamedTuple, cast
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -42,14 +42,8 @@ class EquationKind(NamedTuple):
     serves: Callable[[RockingParameters], bool]
     # returns the equation of a structure at a tolerance, raises ArgumentError
     build: Callable[[RockingParameters, float], Equation]
-    # returns the numbers, besides restitution and damping, that structures must have in
-    # common to share a dimensionless computation
-    shares: Callable[[RockingParameters], Any]
     rates: str  # name of its form in `references.problems`
     exact: bool = False  # True if its tolerance is 1e-12, near rounding, always
-    # returns one equation for cells of bodies with these alphas at a tolerance; they
-    # are (cells,), or (2, cells) of right and left edges; None if there is none
-    of_cells: Callable[[np.ndarray, float], Equation] | None = None
 
 
 def _linear(structure: RockingParameters, tolerance: float) -> Equation:
@@ -58,18 +52,11 @@ def _linear(structure: RockingParameters, tolerance: float) -> Equation:
     return LinearEquation(structure.damping)
 
 
-def _rigid(alpha: Any, tolerance: float, damping: float = 0.0) -> Equation:
+def _rigid_body(structure: RockingParameters, tolerance: float) -> Equation:
     from .equations.rigid_body import RigidBodyEquation
 
-    return RigidBodyEquation(alpha, tolerance, damping)
-
-
-def _rigid_body(structure: RockingParameters, tolerance: float) -> Equation:
-    return _rigid(
-        tuple(side.alpha for side in reversed(structure.sides)) or structure.alpha,
-        tolerance,
-        structure.damping,
-    )
+    alphas: Any = tuple(side.alpha for side in reversed(structure.sides))
+    return RigidBodyEquation(alphas or structure.alpha, tolerance, structure.damping)
 
 
 def _mechanism(structure: RockingParameters, tolerance: float) -> Equation:
@@ -91,22 +78,19 @@ def _mechanisms(structure: RockingParameters) -> list["Mechanism"]:
 
 EQUATIONS = (
     EquationKind(  # Eqs. 2.4 and 3.6
-        "linear", lambda s: True, _linear, lambda s: None, "linear_rates", exact=True
+        "linear", lambda s: True, _linear, "linear_rates", exact=True
     ),
     EquationKind(  # a mechanism of several pieces, Eq. 3.4
         "nonlinear",
         lambda s: s.mechanism is not None,
         _mechanism,
-        lambda s: tuple(_mechanisms(s)),
         "mechanism_rates",
     ),
     EquationKind(  # a rigid body, Eq. 2.3
         "nonlinear",
         lambda s: s.a_scale == 1.0 and not s.dimensionless,
         _rigid_body,
-        lambda s: s.alpha,
         "rigid_body_rates",
-        of_cells=_rigid,
     ),
 )
 MODELS = tuple(dict.fromkeys(kind.model for kind in EQUATIONS))
@@ -269,87 +253,6 @@ class Method:
         except (ArgumentError, StructureError) as error:
             raise UsageError(f"{structure.name}: {error}") from None
 
-    def system_of_cells(
-        self, structures: Sequence[RockingParameters], counts: Sequence[int]
-    ) -> System:
-        """Return one system for the cells of several structures.
-
-        Parameters
-        ----------
-        structures
-            whose `mixes` are equal
-        counts
-            number of cells of each structure, (structures,)
-
-        Returns
-        -------
-        System
-
-        Raises
-        ------
-        UsageError
-            if the model does not hold for a structure
-        """
-        one = self.system_of(structures[0])
-        of_cells = self.kind_of(structures[0]).of_cells
-        bodies = [self.body_of(s) for s in structures]
-        known = [body for body in bodies if body is not None]
-        if (
-            len({(*self.shares(s), b) for s, b in zip(structures, bodies, strict=True)})
-            > 1
-        ):
-            one = one._replace(
-                body=Body.of_cells(known, counts)
-                if len(known) == len(bodies)
-                else None,
-                scale=np.repeat([s.alpha / s.a_scale for s in structures], counts),
-            )
-        if of_cells is None or not self._mixed(structures[0]):
-            return one
-        if not structures[0].sides:
-            alpha = np.repeat([s.alpha for s in structures], counts)
-            return one._replace(equation=of_cells(alpha, self.tolerance))
-        from .contacts.unequal_cells import UnequalCells
-
-        edges = [[side.alpha for side in reversed(s.sides)] for s in structures]
-        alpha = np.ascontiguousarray(np.repeat(edges, counts, axis=0).T)
-        contacts = [self.system_of(s).contact for s in structures]
-        return one._replace(
-            equation=of_cells(alpha, self.tolerance),
-            contact=UnequalCells.of(cast("list[Unequal]", contacts), counts),
-        )
-
-    def _mixed(self, structure: RockingParameters) -> bool:
-        """True if one equation takes cells of this structure and of others that differ
-        from it in alpha.
-        """
-        free = not (
-            structure.one_sided or structure.damping or structure.restraints is not None
-        )
-        return free and self.kind_of(structure).of_cells is not None
-
-    def mixes(self, structure: RockingParameters) -> tuple[Any, ...]:
-        """Return a key: the cells of structures of equal keys have one system, under a
-        motion without a vertical part (see `system_of_cells`).
-
-        Parameters
-        ----------
-        structure
-            the structure
-
-        Returns
-        -------
-        tuple
-
-        Raises
-        ------
-        UsageError
-            if the model has no equation for this structure
-        """
-        if self._mixed(structure):
-            return len(structure.sides), self.body_of(structure) is None
-        return self.shares(structure)
-
     def body_of(self, structure: RockingParameters) -> Body | None:
         """Return what gives the forces of a structure on the ground.
 
@@ -379,34 +282,6 @@ class Method:
             structure.damping,
             structure.one_sided,
             a_scale,
-        )
-
-    def shares(self, structure: RockingParameters) -> tuple[Any, ...]:
-        """Return a key: structures of equal keys have one system.
-
-        With equal restitutions too they have one dimensionless computation (sections
-        3.3 and 4 of the paper).
-
-        Parameters
-        ----------
-        structure
-            the structure
-
-        Returns
-        -------
-        tuple
-
-        Raises
-        ------
-        UsageError
-            if the model has no equation for this structure
-        """
-        return (
-            structure.one_sided,
-            structure.sides,
-            structure.damping,
-            structure.restraints,
-            self.kind_of(structure).shares(structure),
         )
 
     def reference_of(self, structure: RockingParameters) -> Reference:

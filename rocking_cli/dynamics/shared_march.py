@@ -1,6 +1,6 @@
 """Several structures under one motion, whose cells are marched together."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Hashable, Sequence
 
 import numpy as np
 
@@ -9,6 +9,7 @@ from ..structures.parameters import RockingParameters
 from .lanes import Array
 from .method import Method
 from .response import Response, cheaper, response
+from .system import System
 
 
 class SharedMarch:
@@ -22,32 +23,24 @@ class SharedMarch:
         structures: Sequence[RockingParameters],
         methods: Sequence[Method],
     ) -> None:
-        self.motion, self.structures, self.methods = motion, structures, methods
+        self.motion = motion
+        self.systems = [
+            method.system_of(s) for s, method in zip(structures, methods, strict=True)
+        ]
         self.eta = np.array([s.eta for s in structures])  # restitution of each [-]
         # A of each up to which contact with the ground is proved [-], (structures,)
         self.safe_amplitude = np.array(
-            [
-                method.system_of(s).safe_amplitude(motion)
-                for s, method in zip(structures, methods, strict=True)
-            ]
+            [system.safe_amplitude(motion) for system in self.systems]
         )
-        groups: dict[object, int] = {}
+        groups: dict[Hashable, int] = {}
+        mixed = motion.vertical is None
         # number of the group of each structure that shares a march, (structures,)
         self.group = np.array(
             [
-                groups.setdefault(self._shared(s, method), len(groups))
-                for s, method in zip(structures, methods, strict=True)
+                groups.setdefault(system.key(mixed), len(groups))
+                for system in self.systems
             ]
         )
-
-    def _shared(self, structure: RockingParameters, method: Method) -> object:
-        """Return what the structures of one march have in common; under a vertical
-        motion also the ground acceleration of A = 1, with which the weight changes.
-        """
-        if self.motion.vertical is None:
-            return (method, *method.mixes(structure))
-        scale = structure.alpha / structure.a_scale
-        return (method, *method.shares(structure), scale)
 
     def response(
         self, which: Array, amplitude: Array, omega: Array, peaks: bool = True
@@ -84,9 +77,8 @@ class SharedMarch:
         structures.
         """
         own, counts = np.unique(which, return_counts=True)
-        structures = [self.structures[i] for i in own]
-        method = self.methods[own[0]]
-        system = method.system_of_cells(structures, counts.tolist())
+        systems = [self.systems[i] for i in own]
+        system = System.of_each_cell(systems, counts.tolist())
         if np.all(amplitude <= self.safe_amplitude[which]):
             system = system._replace(body=None)  # no body loses contact
         how = cheaper(system, self.motion, which.size) if own.size == 1 else "arrays"

@@ -1,7 +1,9 @@
 """A rocking structure for the march: an equation of motion and a contact."""
 
 import math
-from typing import TYPE_CHECKING, Any, NamedTuple
+from collections.abc import Hashable, Sequence
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, NamedTuple, Self
 
 import numpy as np
 
@@ -52,6 +54,58 @@ class System(NamedTuple):
     body: Body | None = None  # forces on the ground
     devices: "Devices | None" = None  # ties and a tendon
     springs: bool = False  # True if it carries weights without mass
+
+    @property
+    def cellwise(self) -> tuple[str, ...]:
+        """The fields that may differ from cell to cell in one march."""
+        return ("scale",)
+
+    @classmethod
+    def of_each_cell(cls, systems: Sequence[Self], counts: Sequence[int]) -> Self:
+        """Return one system for the cells of several systems.
+
+        Parameters
+        ----------
+        systems
+            whose `key` with `mixed` is the same
+        counts
+            number of cells of each system, (systems,)
+
+        Returns
+        -------
+        System
+        """
+        first = systems[0]
+        if len(systems) == 1:
+            return first
+        bodies = [one.body for one in systems if one.body is not None]
+        scales = [one.scale for one in systems]
+        return first._replace(
+            equation=first.equation.of_each_cell(
+                [one.equation for one in systems], counts
+            ),
+            contact=first.contact.of_each_cell(
+                [one.contact for one in systems], counts
+            ),
+            body=Body.of_each_cell(bodies, counts) if bodies else None,
+            scale=None if first.scale is None else np.repeat(scales, counts),
+        )
+
+    def key(self, mixed: bool = False) -> Hashable:
+        """Return a key that is made of all fields of the system and of its parts.
+
+        Parameters
+        ----------
+        mixed
+            False: systems of equal keys are the same system. True: their cells may
+            share a march under a motion without a vertical part (`of_each_cell`); they
+            differ in numbers that the march has for each cell
+
+        Returns
+        -------
+        tuple
+        """
+        return _key(self, mixed and self.devices is None)
 
     @property
     def alike(self) -> bool:
@@ -166,3 +220,40 @@ class System(NamedTuple):
                 ),
             )
         return 1.0 / strongest if strongest > 0.0 else math.inf
+
+
+def _key(x: Any, mixed: bool) -> Hashable:
+    """A key of a value and of all of its fields; mixed: True for the form alone of the
+    fields that are in its `cellwise`.
+    """
+    if isinstance(x, np.ndarray):
+        return x.shape, x.tobytes()
+    if isinstance(x, tuple) and hasattr(x, "_asdict"):
+        fields = x._asdict()
+    elif isinstance(x, tuple):
+        return tuple(_key(one, mixed) for one in x)
+    elif isinstance(x, dict):
+        fields = x
+    elif hasattr(x, "__dict__"):
+        fields = {
+            name: value
+            for name, value in vars(x).items()
+            if not isinstance(getattr(type(x), name, None), cached_property)
+        }
+    else:
+        known: Hashable = x
+        return known
+    cellwise = getattr(x, "cellwise", ()) if mixed else ()
+    return type(x), *(
+        (name, _form(value) if name in cellwise else _key(value, mixed))
+        for name, value in fields.items()
+    )
+
+
+def _form(x: Any) -> Hashable:
+    """How many numbers a value has, and whether it has any."""
+    if isinstance(x, dict):
+        return tuple((name, _form(one)) for name, one in x.items())
+    if isinstance(x, tuple):
+        return tuple(map(_form, x))
+    return None if x is None else np.shape(x)

@@ -22,6 +22,7 @@ from ..dynamics.response import (
     response,
     response_under_records,
 )
+from ..dynamics.system import System
 from ..structures.parameters import RockingParameters
 from .boundaries import Search, Steps, lifted
 from .changes import Brackets, narrowed
@@ -44,14 +45,9 @@ class RecordSearch(NamedTuple):
     omega: float  # Omega = 1/p [s/rad]
 
     @property
-    def run(self) -> object:
-        """What the searches of one run have in common: nothing for plain bodies whose
-        equation takes cells of several alphas.
-        """
-        kind = self.method.kind_of(self.structure)
-        if self.structure.plain and kind.of_cells is not None:
-            return None
-        return self.method.shares(self.structure)
+    def system(self) -> System:
+        """The system without its body, whose forces are computed afterwards."""
+        return self.search.system._replace(body=None)
 
 
 def steps_under_records(
@@ -145,7 +141,8 @@ def _marched(asked: Sequence[RecordSearch], row: Array, amplitude: Array) -> Arr
     runs: dict[object, list[int]] = {}
     for i, one in enumerate(asked):
         together = chains(one.search.system, one.search.motion)
-        runs.setdefault((one.run,) if together else i, []).append(i)
+        key = one.system.key(mixed=True)
+        runs.setdefault((key,) if together else i, []).append(i)
     for own in runs.values():
         at = np.flatnonzero(np.isin(row, own))
         if len(own) == 1:
@@ -161,8 +158,7 @@ def _in_one_run(asked: Sequence[RecordSearch], of: Array, amplitude: Array) -> A
     each amplitude, rising.
     """
     counts = np.bincount(of, minlength=len(asked)).tolist()
-    structures = [one.structure for one in asked]
-    system = asked[0].method.system_of_cells(structures, counts)._replace(body=None)
+    system = System.of_each_cell([one.system for one in asked], counts)
     motions = list({id(one.search.motion): one.search.motion for one in asked}.values())
     numbers = {id(motion): number for number, motion in enumerate(motions)}
     which, omega, eta, alpha = (

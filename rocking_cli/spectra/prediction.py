@@ -2,6 +2,7 @@
 spectrum (section 4 of the paper).
 """
 
+from collections.abc import Hashable
 from pathlib import Path
 from typing import Any
 
@@ -75,11 +76,12 @@ def predict(
         with SpectraFile(spectrum) as file:
             return predict(structure, file, shaking)
     check_linear(spectrum)
-    etas = {
-        i: s.eta
-        for i, s in enumerate(spectrum.structures)
-        if LINEAR.shares(s) == LINEAR.shares(structure)
-    }
+
+    def key(of: RockingParameters) -> Hashable:  # of its dimensionless system
+        return LINEAR.system_of(of)._replace(body=None, scale=None).key()
+
+    same = key(structure)
+    etas = {i: s.eta for i, s in enumerate(spectrum.structures) if key(s) == same}
     if not etas:
         raise UsageError(
             f"{structure.name}: the spectrum is for bodies with other edges or damping;"

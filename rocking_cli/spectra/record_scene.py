@@ -111,6 +111,10 @@ class RecordScene(Scene):
         return self.columns.name == "T"
 
     @property
+    def mixed(self) -> bool:
+        return self.over_angles and super().mixed
+
+    @property
     def weighed(self) -> bool:
         return any(r.upwards is not None for r in self.recordings)
 
@@ -171,11 +175,6 @@ class RecordScene(Scene):
                 omega[columns],
                 (structure,),
             )
-
-    def runs_with(self, structure: RockingParameters) -> tuple[Any, ...]:
-        return (
-            super().runs_with(structure) if self.over_angles else self.shares(structure)
-        )
 
     def only(self, units: Sequence[Unit]) -> "RecordScene":
         """Return the scene with the samples of only those records that these units

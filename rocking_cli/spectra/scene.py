@@ -16,6 +16,7 @@ import numpy as np
 
 from ..dynamics.method import LINEAR, Method
 from ..dynamics.outcome import Outcome
+from ..dynamics.system import System
 from ..errors import UsageError
 from ..motions import Motion
 from ..motions.grid import Grid
@@ -168,25 +169,19 @@ class Scene(ABC):
         """True if the ground also moves vertically, so that the weight varies."""
         return False
 
-    def shares(self, structure: RockingParameters) -> tuple[Any, ...]:
-        """Return a key of a structure. Under one motion, structures with equal keys
-        differ only in restitution.
-        """
-        scale = (structure.alpha / structure.a_scale,) if self.weighed else ()
-        # forces of the linear oscillator are computed afterwards
-        body = None if self.method.exact else self.method.body_of(structure)
-        slides = friction_that_slides(structure)
-        own = () if slides is None else (slides, structure.uplift)
-        return (*self.method.shares(structure), *scale, body, *own)
+    @property
+    def mixed(self) -> bool:
+        """True if one run computes the cells of bodies that differ in their numbers."""
+        return not self.weighed
 
-    def runs_with(self, structure: RockingParameters) -> tuple[Any, ...]:
-        """Return a key of a structure. One run of the engine computes all structures
-        with equal keys under one motion.
+    def system_of(self, structure: RockingParameters) -> System:
+        """Return the system that is marched. That of the linear oscillator has no body,
+        whose forces are computed afterwards, so that bodies may share its rotations.
         """
-        # structures of one exact equation share rotations, and their weights differ
-        if self.weighed or self.method.exact:
-            return self.shares(structure)
-        return self.method.mixes(structure)
+        system = self.method.system_of(structure)
+        if not self.method.exact:
+            return system
+        return system._replace(body=None, scale=system.scale if self.weighed else None)
 
 
 @dataclass(frozen=True, eq=False)
@@ -295,7 +290,9 @@ class PulseScene(Scene):
             return [(i,) for i in range(len(self.structures))]
         groups: dict[tuple[Any, ...], list[int]] = {}
         for i, s in enumerate(self.structures):
-            groups.setdefault((s.eta, *self.shares(s)), []).append(i)
+            slides = friction_that_slides(s)
+            own = None if slides is None else (slides, s.uplift)
+            groups.setdefault((s.eta, self.system_of(s).key(), own), []).append(i)
         return [tuple(g) for g in groups.values()]
 
 

@@ -143,10 +143,10 @@ def record(count: int, dt: float, seed: int) -> rk.Motion:
     return rk.read_motion(record_file(count, dt, seed), unit="g")
 
 
-def answered(found: rk.Response) -> Arrays:
-    """The arrays of a response."""
+def answered(found: rk.Response | rk.Spectrum) -> Arrays:
+    """The arrays of a response or a spectrum."""
     names = ("theta_ratio", "outcome", "impacts_at_least")
-    return dict(zip(names, found, strict=False))
+    return {name: getattr(found, name) for name in names}
 
 
 def over(

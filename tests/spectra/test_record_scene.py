@@ -192,7 +192,7 @@ def test_blocks_of_all_angles_go_in_one_run_and_are_those_of_each_alone():
         angles_scene(Axis("alpha", x), PERIODS, short, 0.5, NONLINEAR)
         for x in (ALPHAS.values, ALPHAS.values[1:])
     )
-    assert len({scene.runs_with(s) for s in scene.structures}) == 1
+    assert len({scene.system_of(s).key(scene.mixed) for s in scene.structures}) == 1
     together, alone = (
         spectrum_of(x, SweepOptions(workers=1, check=0, quantities=("condition",)))
         for x in (scene, own)

@@ -4,8 +4,9 @@ their common part.
 
 import math
 from abc import ABC, abstractmethod
-from dataclasses import dataclass
-from typing import Any, NamedTuple
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 
@@ -41,6 +42,14 @@ class Contact(ABC):
 
     alike = False  # True if the body has two free and equal edges
     left = 1.0  # 1 if the body can lift off onto its left edge, otherwise 0
+    # fields that may differ from cell to cell in one march
+    cellwise: tuple[str, ...] = ()
+
+    def of_each_cell(self, contacts: Sequence[Self], counts: Sequence[int]) -> Self:
+        """Return one contact for so many cells of each of these contacts, the first of
+        which is this one; they differ in `cellwise` fields only.
+        """
+        return self
 
     @abstractmethod
     def cells(
@@ -97,9 +106,9 @@ class Contact(ABC):
         """
         return y
 
-    def speed(self, side: Array, rate: Array) -> Array:
+    def speed(self, side: Array, cell: Array, rate: Array) -> Array:
         """Convert rates d(|theta|/alpha)/dtau on these sides to the alpha and p of the
-        reference edge, as A and Omega are.
+        reference edge, as A and Omega are; cell: the cells of the lanes.
         """
         return rate
 
@@ -291,41 +300,60 @@ def reciprocal_ratios(one: float, other: float) -> tuple[float, float]:
 
 @dataclass(frozen=True)
 class Unequal(Contact):
-    """Two edges that differ. Each pair of numbers is (right edge, left edge). A and
-    Omega are those of the reference edge; on either side y and tau = p t have the unit
-    and the p of that side. Raises ArgumentError for a number out of range.
+    """Two edges that differ. Each pair is (right edge, left edge), of numbers or of
+    arrays, (cells,). A and Omega are those of the reference edge; on either side y and
+    tau = p t have the unit and the p of that side. Raises ArgumentError for a number
+    out of range.
     """
 
+    cellwise = ("drive", "omega", "eta", "rotation", "pace")
+
     # uplift acceleration of the reference edge over that of the edge [-]
-    drive: tuple[float, float]
-    omega: tuple[float, float]  # p of the reference edge over that of the edge [-]
+    drive: tuple[Any, Any]
+    omega: tuple[Any, Any]  # p of the reference edge over that of the edge [-]
     # |y'| after over |y'| before the impact that leaves the edge [-], each in the units
     # of its side: one of the two may exceed 1, their product may not
-    eta: tuple[float, float]
+    eta: tuple[Any, Any]
     # |theta|/alpha at y = 1 [-], if they are proportional; else its slope at rest
-    rotation: tuple[float, float]
+    rotation: tuple[Any, Any]
     # of both sides, if |theta|/alpha is not proportional to y
     equation: Equation | None = None
     # alpha p of the edge over alpha p of the reference edge [-]
-    pace: tuple[float, float] = (1.0, 1.0)
+    pace: tuple[Any, Any] = (1.0, 1.0)
 
     def __post_init__(self) -> None:
         if not all(
-            x > 0.0 for x in (*self.drive, *self.omega, *self.rotation, *self.pace)
+            np.all(np.asarray(x) > 0.0)
+            for x in (*self.drive, *self.omega, *self.rotation, *self.pace)
         ):
             raise ArgumentError(
                 "drive, omega, rotation and pace of both edges must be positive"
             )
-        if not (min(self.eta) >= 0.0 and self.eta[0] * self.eta[1] <= 1.0):
+        right, left = np.array(self.eta)
+        if not np.all((right >= 0.0) & (left >= 0.0) & (right * left <= 1.0)):
             raise ArgumentError(
                 "eta of both edges must be from 0, and their product at most 1"
             )
+
+    def of_each_cell(self, contacts: Sequence[Self], counts: Sequence[int]) -> Self:
+        if all(one == self for one in contacts):
+            return self
+
+        def cells(name: str) -> tuple[Array, Array]:
+            pairs = np.array([getattr(one, name) for one in contacts])
+            right, left = np.repeat(pairs, counts, axis=0).T
+            return right, left
+
+        numbers: dict[str, Any] = {name: cells(name) for name in self.cellwise}
+        return replace(self, **numbers)
 
     def _of(self, pair: tuple[Any, Any], side: Array, cell: Array) -> Array:
         """Return the number of the edge on which each lane is; cell: the cells of the
         lanes.
         """
-        return np.where(side > 0.0, *pair)
+        return np.where(
+            side > 0.0, *(x[cell] if isinstance(x, np.ndarray) else x for x in pair)
+        )
 
     def cells(
         self, equation: Equation, amplitude: Array, omega: Array, eta: Array
@@ -334,7 +362,7 @@ class Unequal(Contact):
         is ignored.
         """
         drive, frequency, own = (
-            np.array(pair)[:, None] for pair in (self.drive, self.omega, self.eta)
+            np.array(pair).reshape(2, -1) for pair in (self.drive, self.omega, self.eta)
         )
         return Cells(
             drive * amplitude, frequency * omega, np.broadcast_to(own, (2, omega.size))
@@ -361,8 +389,8 @@ class Unequal(Contact):
         turned = self.equation.on(side).rotation(np.where(known, y, 0.0))
         return np.where(known, self.equation.on(to).displacement(turned), y)
 
-    def speed(self, side: Array, rate: Array) -> Array:
-        return rate * np.where(side > 0.0, *self.pace)
+    def speed(self, side: Array, cell: Array, rate: Array) -> Array:
+        return rate * self._of(self.pace, side, cell)
 
     def impact(self, cells: Cells, lanes: Lanes, v: Array, b: Array) -> None:
         """Put lanes on the other edge, with its drive, time and unit."""

@@ -75,6 +75,8 @@ class Equation(ABC):
     spread = 1.0
     per_y: Any = 1.0  # |theta|/alpha at y = 1 [-], if they are proportional
     per_rotation: Any = 1.0  # y at |theta|/alpha = 1, if they are proportional
+    # attributes that may differ from cell to cell in one march
+    cellwise: tuple[str, ...] = ()
 
     def __init__(self, damping: float) -> None:
         if not 0.0 <= damping < math.inf:
@@ -104,6 +106,12 @@ class Equation(ABC):
     def joined(self, others: Sequence[Self]) -> Self:
         """Return the equation of this edge and of others, each as `edge` returns it:
         `on` takes their numbers as cells.
+        """
+        return self
+
+    def of_each_cell(self, equations: Sequence[Self], counts: Sequence[int]) -> Self:
+        """Return one equation for so many cells of each of these equations, the first
+        of which is this one; they differ in `cellwise` attributes only.
         """
         return self
 

@@ -51,6 +51,8 @@ class RigidBodyEquation(Equation):
     '0.153431'
     """
 
+    cellwise = ("_each", "alpha", "sin", "cos", "tan", "bottom", "gain", "bounds")
+
     alpha: Any  # critical angle [rad], float or (lanes,)
     sin: Any  # sin(alpha) [-]
     cos: Any  # cos(alpha) [-]
@@ -140,6 +142,22 @@ class RigidBodyEquation(Equation):
         rows = self._with(each, each)
         rows._by_cell = True
         return rows
+
+    def of_each_cell(self, equations: Sequence[Self], counts: Sequence[int]) -> Self:
+        # (bodies, edges) of each number, then all right edges before all left ones
+        numbers = {
+            key: np.array([one._each[key] for one in equations]) for key in self._each
+        }
+        if np.all(numbers["alpha"] == numbers["alpha"][0]):
+            return self
+        each = {
+            key: np.repeat(x, counts, axis=0).T.ravel() for key, x in numbers.items()
+        }
+        cells = self._with(each, each)
+        cells._by_cell = True
+        edges = len(self._each["alpha"])
+        cells._two_edged = each["alpha"].size // edges * (edges - 1)
+        return cells
 
     @cached_property
     def square(self) -> Any:

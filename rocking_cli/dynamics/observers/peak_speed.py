@@ -28,7 +28,9 @@ class PeakSpeed(Observer):
     def _speed(self, side: Array, cell: Array, y: Array, v: Array) -> Array:
         """|d theta/d tau|/alpha of lanes of these cells on these sides."""
         return np.abs(
-            self.contact.speed(side, self.equation.on(side, cell).rotation_rate(y, v))
+            self.contact.speed(
+                side, cell, self.equation.on(side, cell).rotation_rate(y, v)
+            )
         )
 
     def arcs(self, arcs: Arcs) -> None:
@@ -53,7 +55,10 @@ class PeakSpeed(Observer):
             ) -> ExtremePoint:
                 equation = self.equation.on(side[own], cell[own])
                 speed, slope = (
-                    sign * self.contact.speed(side[own], equation.rotation_rate(y, x))
+                    sign
+                    * self.contact.speed(
+                        side[own], cell[own], equation.rotation_rate(y, x)
+                    )
                     for x in of
                 )
                 return ExtremePoint(speed, slope)

@@ -5,7 +5,7 @@ The cells of a unit are computed by the same code in the same order everywhere, 
 result does not depend on the number of workers or the size of a unit, to the last bit.
 """
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass
 from functools import cached_property, partial
@@ -78,8 +78,11 @@ class Job:
     @cached_property
     def runs(self) -> dict[Any, RockingParameters]:
         """A structure for each run of the engine that the scene needs."""
-        scene = self.scene
-        return {scene.runs_with(s): s for s in scene.structures}
+        return {self._key(s): s for s in self.scene.structures}
+
+    def _key(self, structure: RockingParameters) -> Hashable:
+        """Return a key: one run computes structures of equal keys under a motion."""
+        return self.scene.system_of(structure).key(self.scene.mixed)
 
     @cached_property
     def one_by_one(self) -> bool:
@@ -154,11 +157,10 @@ class Job:
         """Return a key of the batch of a band: (its motion, None if cells under other
         records share the run; what its structure runs with).
         """
-        scene = self.scene
         shared = self.pooled and chains(
-            scene.method.system_of(band.structure), band.motion
+            self.scene.system_of(band.structure), band.motion
         )
-        return None if shared else id(band.motion), scene.runs_with(band.structure)
+        return None if shared else id(band.motion), self._key(band.structure)
 
     def _batch_blocks(
         self, batch: Sequence[CellBand], shared: bool
@@ -193,9 +195,8 @@ class Job:
         """
         counts = [band.size for band in batch]
         structures = [band.structure for band in batch]
-        system = self.scene.method.system_of_cells(structures, counts)._replace(
-            body=None
-        )
+        systems = [self.scene.system_of(s) for s in structures]
+        system = System.of_each_cell(systems, counts)._replace(body=None)
         numbers: dict[int, int] = {}
         which = np.repeat(
             [numbers.setdefault(id(band.motion), len(numbers)) for band in batch],
@@ -220,7 +221,8 @@ class Job:
         """
         method, motion = self.scene.method, batch[0].motion
         counts, structures = [b.size for b in batch], [b.structure for b in batch]
-        system = self._joined_system(structures, counts)
+        systems = [self.scene.system_of(s) for s in structures]
+        system = System.of_each_cell(systems, counts)
         extra: Block = {}
         if "velocity_ratio" in self.quantities:
             got, rate = response_with_speed(system, motion, *cells)
@@ -242,9 +244,8 @@ class Job:
             shifted = response(system, motion, amplitude, omega, cells[2])
             got = got._replace(condition=condition_by_difference(got, shifted))
         if "linear" in self.quantities:
-            linear = response(
-                LINEAR.system_of_cells(structures, counts), motion, *cells
-            )
+            systems = [LINEAR.system_of(s) for s in structures]
+            linear = response(System.of_each_cell(systems, counts), motion, *cells)
             extra |= {
                 "theta_ratio_linear": linear.theta_ratio,
                 "outcome_linear": linear.outcome,
@@ -257,17 +258,6 @@ class Job:
             "condition": got.condition,
             **extra,
         }, got.work
-
-    def _joined_system(
-        self, structures: Sequence[RockingParameters], counts: Sequence[int]
-    ) -> System:
-        """Return one system for so many cells of each structure."""
-        method = self.scene.method
-        system = method.system_of_cells(structures, counts)
-        if method.exact:
-            # structures that share rotations have different bodies
-            system = system._replace(body=None)
-        return system
 
     def _standing(
         self,

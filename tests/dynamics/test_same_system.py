@@ -1,0 +1,282 @@
+"""Bodies that differ in one number are answered together as each alone: every field of
+every structure, edge, tie, tendon, contact, equation and body is varied.
+"""
+
+import inspect
+from dataclasses import fields, is_dataclass, replace
+from functools import cached_property
+
+import numpy as np
+import pytest
+from support.bodies import SYSTEMS
+
+from rocking_cli import (
+    LinearEquation,
+    Method,
+    RigidBodyEquation,
+    RockingParameters,
+    load_structures,
+    parse_grid,
+    response,
+    sine,
+    spectrum,
+)
+from rocking_cli.dynamics.contacts.contact import Contact
+from rocking_cli.dynamics.equations.mechanism import MechanismEquation
+from rocking_cli.dynamics.response import response_with_speed
+from rocking_cli.dynamics.shared_march import SharedMarch
+from rocking_cli.dynamics.system import System
+from rocking_cli.responses.check import standings
+from rocking_cli.structures.parameters import Side
+from rocking_cli.structures.restraints import Restraints, Stand, Tendon, Tie
+
+LINEAR, NONLINEAR = Method("linear"), Method("nonlinear")
+(BLOCK,) = load_structures("block:0.5x2")
+(UNEQUAL,) = load_structures("rigid:left=0.42,right=0.31,height=1.15,gyration=0.68")
+(ARCH,) = load_structures("configs/arch.yaml")
+STAND = Stand("left", BLOCK.alpha, 1000.0 * 9.81 * BLOCK.arm, 0.25)
+TIED = replace(
+    BLOCK,
+    restraints=Restraints(
+        (Tie(1.8, 2e5, 300.0, 900.0, 0.02, 0.1, "left"),),
+        Tendon(1e5, 200.0, 900.0),
+        (STAND, STAND._replace(side="right")),
+    ),
+)
+# fields that no motion depends on
+TEXTS = {
+    *("name", "structure", "eta_source", "details"),
+    *("labels", "remarks", "document", "top"),
+}
+# other values than 1.03 times that of the body
+CHANGES = {
+    "damping": {"damping": 0.05},
+    "one_sided": {"one_sided": True, "eta": -0.6},
+    "friction": {"friction": 0.1},
+    "kinetic_friction": {"friction": 0.1, "kinetic_friction": 0.05},
+    "mechanism": {"mechanism": ARCH.mechanism},
+    "sides": {
+        name: getattr(UNEQUAL, name)
+        for name in ("sides", "p", "alpha", "eta", "uplift", "a_scale", "arm")
+    },
+    "restraints": {"restraints": TIED.restraints},
+}
+SIDES = {"left": "both", "right": "both", "both": "left"}
+
+
+def other(x):
+    """A value that differs a little from x."""
+    if isinstance(x, bool):
+        return not x
+    if isinstance(x, str):
+        return SIDES[x]
+    if isinstance(x, tuple):
+        return tuple(map(other, x))
+    return x * 1.03
+
+
+def varied():
+    """Bodies that differ from a body in one field each, by label."""
+    found = {"block": BLOCK, "block, no arm": replace(BLOCK, arm=None)}
+    for field in fields(RockingParameters):
+        name = field.name
+        if name not in TEXTS:
+            change = CHANGES.get(name) or {name: other(getattr(BLOCK, name))}
+            found[f"block, {name}"] = replace(BLOCK, **change)
+    found["unequal"] = UNEQUAL
+    strong, weak = UNEQUAL.sides
+    if strong.uplift == UNEQUAL.uplift:
+        strong, weak = weak, strong
+    for field in fields(Side):
+        if field.name not in ("side", "mechanism"):
+            value = getattr(strong, field.name)
+            one = replace(strong, **{field.name: other(value)})
+            sides = sorted((one, weak), key=lambda side: side.side)
+            found[f"edge, {field.name}"] = replace(UNEQUAL, sides=tuple(sides))
+    found["tied"] = TIED
+    held = TIED.restraints
+    for part, kind in (("ties", Tie), ("tendon", Tendon)):
+        of = held.ties[0] if part == "ties" else held.tendon
+        for field in fields(kind):
+            new = replace(of, **{field.name: other(getattr(of, field.name))})
+            new = (new,) if part == "ties" else new
+            found[f"{part}, {field.name}"] = replace(
+                TIED, restraints=replace(held, **{part: new})
+            )
+    for name in ("alpha", "moment", "lever"):
+        stand = STAND._replace(**{name: other(getattr(STAND, name))})
+        stands = stand, stand._replace(side="right")
+        found[f"stand, {name}"] = replace(TIED, restraints=replace(held, stands=stands))
+    for name in ("alpha", "p", "gravity", "arm", "damping"):
+        change = CHANGES.get(name) or {name: other(getattr(TIED, name))}
+        found[f"tied, {name}"] = replace(TIED, **change)
+    return found
+
+
+BODIES = varied()
+
+
+@pytest.mark.parametrize("method", [LINEAR, NONLINEAR])
+def test_a_shared_march_answers_each_body_as_alone(method):
+    bodies = {
+        label: s
+        for label, s in BODIES.items()
+        if method.serves(s) and "friction" not in label
+    }
+    march = SharedMarch(sine(2), list(bodies.values()), [method] * len(bodies))
+    each, count = np.arange(len(bodies)), 40
+    random = np.random.default_rng(5)
+    amplitude = np.tile(random.uniform(1.0, 4.0, count), len(bodies))
+    omega = np.tile(random.uniform(0.7, 6.0, count), len(bodies))
+    which = np.repeat(each, count)
+    together = march.response(which, amplitude, omega)
+    for i, (label, s) in enumerate(bodies.items()):
+        own = which == i
+        cells = amplitude[own], omega[own], s.eta
+        alone = response(method.system_of(s), sine(2), *cells)
+        for found, one in zip(together, alone, strict=False):
+            np.testing.assert_array_equal(found[own], one, label)
+
+
+@pytest.mark.parametrize(
+    ("method", "grid"),
+    [
+        (LINEAR, "A=1:4:8,Omega=1:6:5"),
+        (LINEAR, "a_g=0.2g:0.9g:8,f_g=0.4:2:5"),
+        (NONLINEAR, "a_g=0.2g:0.9g:8,f_g=0.4:2:5"),
+    ],
+)
+def test_a_spectrum_has_each_body_as_alone(method, grid):
+    bodies = {label: s for label, s in BODIES.items() if method.serves(s)}
+
+    def of(*structures):
+        return spectrum(
+            structures,
+            sine(),
+            parse_grid(grid),
+            method=method,
+            workers=1,
+            check=0,
+        )
+
+    together = of(*bodies.values())
+    for i, (label, s) in enumerate(bodies.items()):
+        alone = of(s)
+        for name in ("outcome", "theta_ratio"):
+            np.testing.assert_array_equal(
+                getattr(together, name)[i], getattr(alone, name)[0], label
+            )
+
+
+def test_a_check_of_many_bodies_gives_the_verdict_on_each_alone():
+    """Of outcome and capacity; the shared march has the bodies with restraints."""
+    shaking = parse_grid("a_g=0.35g,f_g=2")
+    bodies = {label: s for label, s in BODIES.items() if s.restraints is None}
+    asked = [(s, sine(), shaking) for s in bodies.values()]
+    together = standings(asked, a_max=1.6, workers=1)
+    for one, demand, label in zip(together, asked, bodies, strict=True):
+        (alone,) = standings([demand], a_max=1.6, workers=1)
+        assert one == alone, label
+
+
+def parts(x, path=()):
+    """The records and objects with fields that a system consists of, with their
+    places.
+    """
+    if hasattr(x, "_asdict"):
+        own = x._asdict()
+    elif is_dataclass(x) or isinstance(x, Contact):
+        own = {name: getattr(x, name) for name in vars(x)}
+    else:
+        return
+    for name, value in own.items():
+        if isinstance(getattr(type(x), name, None), cached_property):
+            continue
+        yield (*path, name), value
+        yield from parts(value, (*path, name))
+
+
+def with_value(x, path, value):
+    """The system x with another value at this place."""
+    first, *rest = path
+    new = with_value(getattr(x, first), rest, value) if rest else value
+    return (
+        x._replace(**{first: new})
+        if hasattr(x, "_replace")
+        else replace(x, **{first: new})
+    )
+
+
+def differing():
+    """Pairs of systems that differ in one field."""
+    whole = {
+        "rigid": NONLINEAR.system_of(BLOCK),
+        "unequal": NONLINEAR.system_of(UNEQUAL),
+        "linear": LINEAR.system_of(UNEQUAL),
+        "tied": NONLINEAR.system_of(TIED),
+    }
+    for label, system in whole.items():
+        for path, value in parts(system):
+            if value is None or hasattr(value, "__dict__") or hasattr(value, "_asdict"):
+                continue
+            if isinstance(value, tuple) and isinstance(value[0], str):
+                new = tuple(f"{name} " for name in value)
+            elif isinstance(value, np.ndarray) and value.dtype == bool:
+                new = ~value
+            elif path[-1] == "eta":
+                new = value[0] * 0.97, value[1]
+            else:
+                new = 0.02 if isinstance(value, float) and not value else other(value)
+            place = ".".join(path)
+            yield pytest.param(
+                system, with_value(system, path, new), id=f"{label}-{place}"
+            )
+    for kind, given, changes in (
+        (LinearEquation, {}, {"damping": 0.05}),
+        (
+            RigidBodyEquation,
+            {"alpha": 0.25},
+            {"alpha": 0.26, "tolerance": 1e-8, "damping": 0.05},
+        ),
+        (
+            RigidBodyEquation,
+            {"alpha": (0.25, 0.2)},
+            {"alpha": (0.25, 0.21), "tolerance": 1e-8, "damping": 0.05},
+        ),
+        (
+            MechanismEquation,
+            {"mechanism": ARCH.mechanism},
+            {"mechanism": None, "tolerance": 1e-8, "damping": 0.05},
+        ),
+    ):
+        assert set(changes) == set(inspect.signature(kind).parameters)
+        contact = SYSTEMS["a damped body of unlike edges"][0].contact
+        edges = {"contact": contact} if isinstance(given.get("alpha"), tuple) else {}
+        for name, value in changes.items():
+            if value is not None:
+                yield pytest.param(
+                    System(kind(**given), **edges),
+                    System(kind(**given | {name: value}), **edges),
+                    id=f"{kind.__name__}-{name}",
+                )
+
+
+@pytest.mark.parametrize(("one", "another"), list(differing()))
+def test_systems_that_differ_in_one_field_are_not_the_same(one, another):
+    """Where their cells may share a march, they have the bits of each alone, and so
+    have their largest speeds.
+    """
+    assert one.key() != another.key()
+    if one.key(mixed=True) != another.key(mixed=True):
+        return
+    random, count = np.random.default_rng(6), 60
+    amplitude, omega = random.uniform((1.0, 0.7), (4.0, 6.0), (count, 2)).T
+    cells = amplitude, omega, np.full(count, 0.9)
+    both = System.of_each_cell([one, another], [count, count])
+    alone = [response_with_speed(x, sine(2), *cells) for x in (one, another)]
+    found, speed = response_with_speed(both, sine(2), *(np.tile(x, 2) for x in cells))
+    for name in ("outcome", "theta_ratio", "impacts_at_least"):
+        np.testing.assert_array_equal(
+            getattr(found, name), np.concatenate([getattr(x, name) for x, _ in alone])
+        )
+    np.testing.assert_array_equal(speed, np.concatenate([rate for _, rate in alone]))
