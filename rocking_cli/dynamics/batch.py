@@ -6,10 +6,11 @@ from typing import NamedTuple, Self
 
 import numpy as np
 
+from ..arrays import Array
 from ..motions.segments import Segments
 from .contacts.contact import Contact, Uplift, first_uplift
 from .equations.equation import Equation
-from .lanes import Array, Cells, Lanes
+from .lanes import Cells, Lanes
 from .system import System
 
 # tau, times (1 + 3 zeta): after so long on still ground every body has had its last

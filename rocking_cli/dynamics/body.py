@@ -26,7 +26,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from .lanes import Array
+from ..arrays import Array
 
 # parts of the path from the ground to the peak; on each part the bound takes the worst
 # value of every term

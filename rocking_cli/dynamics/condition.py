@@ -20,8 +20,8 @@ from typing import Any
 
 import numpy as np
 
+from ..arrays import Array
 from .equations.equation import Equation
-from .lanes import Array
 
 _SLOWEST = 1e-6  # speed: an error of y of its square may lead past such an impact
 _LARGEST = 1e100  # moments stay below it, so that none overflows

@@ -7,8 +7,8 @@ from typing import NamedTuple, Self
 
 import numpy as np
 
+from ..arrays import Array
 from ..motions.segments import Segments
-from .lanes import Array
 
 # a step relative to every scale of the drive: after a step of Halley's method this
 # short the error is below rounding

@@ -6,10 +6,11 @@ from typing import NamedTuple, Self
 
 import numpy as np
 
+from ..arrays import Array
 from ..motions.segments import Segments
 from .drive import RemainingImpulse
 from .equations.equation import Equation
-from .lanes import Array, Cells, Lanes
+from .lanes import Cells, Lanes
 
 _SAFE_SHARE = 1.0 - 1e-9
 

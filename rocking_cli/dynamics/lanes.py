@@ -8,7 +8,8 @@ from typing import Any, NamedTuple, Self, TypeVar
 
 import numpy as np
 
-Array = np.ndarray
+from ..arrays import Array
+
 Extended = TypeVar("Extended", bound="Arrays")
 
 

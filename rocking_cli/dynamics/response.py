@@ -5,12 +5,12 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from ..arrays import Array
 from ..errors import ArgumentError, UsageError, counted, did_you_mean
 from ..motions.given import AnyMotion, motion_from
 from ..motions.motion import Motion
 from ..motions.segments import Chain
 from .batch import Batch
-from .lanes import Array
 from .march.engine import Run
 from .observers.observer import Observer
 from .outcome import Outcome, Work, safe

@@ -4,9 +4,9 @@ from collections.abc import Callable, Hashable, Sequence
 
 import numpy as np
 
+from ..arrays import Array
 from ..motions.motion import Motion
 from ..structures.parameters import RockingParameters
-from .lanes import Array
 from .method import Method
 from .response import Response, cheaper, response
 from .system import System

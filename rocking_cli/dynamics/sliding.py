@@ -33,12 +33,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ..arrays import Array
 from ..motions.biaxial import combined
 from ..motions.motion import Motion
 from ..structures.friction import Friction
 from .outcome import Outcome
-
-Array = np.ndarray
 
 _BLOCK = 64  # segments of a slide that are summed at a time, at first
 

@@ -15,12 +15,12 @@ from typing import Any, Self
 
 import numpy as np
 
+from ..arrays import Array
 from ..motions.biaxial import combined
 from ..motions.motion import Motion, extremes
 from ..motions.polyline import Polyline
 from ..motions.segments import Segments, followed_by
 from .drive import drive_change
-from .lanes import Array
 
 _ALIKE = 1e-9  # over the length of a piece: extremes this close count as one
 # segments, of 400 bytes each: of motions with more, the cache keeps only the last one

@@ -7,10 +7,9 @@ from typing import NamedTuple, Self
 
 import numpy as np
 
+from ..arrays import Array
 from ..errors import UsageError
 from ..structures.parameters import RockingParameters
-
-Array = np.ndarray
 
 SCAN_STEP = 0.999e-3  # in A; no interval wider than 1e-3 is missed
 # under a motion with at most so many segments a capacity uses the scan of an envelope

@@ -15,6 +15,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..arrays import Array
 from ..dynamics.impulse_bound import ImpulseBound
 from ..dynamics.lanes import Cells
 from ..dynamics.march.proofs import FEW_SIGN_CHANGES
@@ -25,7 +26,6 @@ from ..motions import Motion
 from .amplitudes import LONGEST_FINE, ScanGrid
 from .changes import SECTIONS, Brackets, narrowed
 
-Array = np.ndarray
 Steps = list[tuple[float, int]]  # (amplitude, outcome from there on), amplitudes rising
 
 # step of the finer scan around changes of the outcome or of the number of impacts,

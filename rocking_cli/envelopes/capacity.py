@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from ..arrays import Array
 from ..dynamics.march.proofs import FEW_SIGN_CHANGES
 from ..dynamics.method import Method
 from ..dynamics.shared_march import SharedMarch
@@ -27,7 +28,6 @@ from .intervals import HIGHEST
 if TYPE_CHECKING:
     from .lowest_fall import FallSearch
 
-Array = np.ndarray
 
 # ratio of neighbouring amplitudes, minus 1, of an envelope under a record: a cell costs
 # as much as a thousand under a pulse

@@ -8,9 +8,8 @@ from typing import Self
 
 import numpy as np
 
+from ..arrays import Array
 from ..dynamics.lanes import Arrays
-
-Array = np.ndarray
 
 SECTIONS = 8  # parts of a bracket in one cut: three bits for each run of the engine
 # largest number of sections of a bracket after the first cut, which may uncover

@@ -13,12 +13,11 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..arrays import Array
 from ..dynamics.outcome import Outcome, safe
 from .amplitudes import SCAN_STEP
 from .boundaries import AROUND, ScanPoints, changes_between
 from .changes import Brackets, narrowed
-
-Array = np.ndarray
 
 # function of rows and their amplitudes, (cells,) each: (codes of `Outcome`, numbers of
 # impacts)

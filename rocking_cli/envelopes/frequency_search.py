@@ -8,6 +8,7 @@ from typing import NamedTuple, Self
 
 import numpy as np
 
+from ..arrays import Array
 from ..dynamics.method import Method, governing_method
 from ..dynamics.outcome import safe
 from ..dynamics.shared_march import SharedMarch
@@ -19,8 +20,6 @@ from .amplitudes import Limit, limit_of
 from .boundaries import looks_finely
 from .capacity import CapacitySearch, tracing_width
 from .first_falls import WITHIN, Climb, lowest_falls
-
-Array = np.ndarray
 
 # ratio of neighbouring frequencies of the scan; narrower minima may be missed
 _RATIO = 1.04

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Self
 
 import numpy as np
 
+from ..arrays import Array
 from ..dynamics.outcome import safe
 from ..dynamics.response import cheaper, response
 from ..dynamics.system import System
@@ -21,7 +22,6 @@ from .changes import Brackets, narrowed
 if TYPE_CHECKING:
     from .scan import Scan
 
-Array = np.ndarray
 
 # ratio of neighbouring amplitudes, minus 1, in the tenth below a known fall
 _FINE = 6e-5

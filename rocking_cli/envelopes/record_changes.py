@@ -12,6 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..arrays import Array
 from ..dynamics.method import Method
 from ..dynamics.outcome import Outcome
 from ..dynamics.response import (
@@ -27,8 +28,6 @@ from ..structures.parameters import RockingParameters
 from .boundaries import Search, Steps, lifted
 from .changes import Brackets, narrowed
 from .scan import Scan, changes_by_scan, follow
-
-Array = np.ndarray
 
 _SCAN_WIDTH = 1e-6  # relative width to which an approximate scan finds changes
 # shares of the work that are done after the scan of the grids, after the changes

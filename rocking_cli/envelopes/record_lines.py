@@ -9,9 +9,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..arrays import Array
 from ..motions.segments import Segments
-
-Array = np.ndarray
 
 
 class RecordLines(NamedTuple):

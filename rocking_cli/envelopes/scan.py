@@ -13,6 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..arrays import Array
 from ..dynamics.batch import Batch
 from ..dynamics.one.lane import Lane
 from ..dynamics.outcome import safe
@@ -21,8 +22,6 @@ from ..motions.motion import Motion
 from .changes import Brackets, narrowed
 from .record_lines import record_lines
 from .scan_pool import Accuracy, Followed, ScanPool
-
-Array = np.ndarray
 
 # The largest rotation and speed at the ends of lines, over alpha, may be this far below
 # those of the march: a share of them, and an amount for extremes within a line.

@@ -11,14 +11,13 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..arrays import Array
 from ..dynamics.equations.recurrence import motion_terms
 from ..dynamics.method import joined
 from ..dynamics.one.lane import Lane, LaneEdge
 from ..dynamics.one.step import value
 from ..dynamics.outcome import Outcome
 from .record_lines import RecordLines
-
-Array = np.ndarray
 
 _BRIEF = 5e-5  # bounces that last less are averaged [tau]
 _SLOW = 1e-7  # a body is at rest after an impact below this speed

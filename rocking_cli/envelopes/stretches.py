@@ -10,14 +10,13 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..arrays import Array
 from ..dynamics.contacts.contact import FreeMotion, Symmetric, Unequal
 from ..dynamics.equations.rigid_body import RigidBodyEquation
 from ..dynamics.lanes import Lanes
 from ..dynamics.outcome import Outcome
 from ..dynamics.system import System
 from ..motions import Motion, sine
-
-Array = np.ndarray
 
 UNKNOWN = int(Outcome.NOT_COMPUTED)
 _SLOWEST = 1.0  # least Omega for which a proof is tried

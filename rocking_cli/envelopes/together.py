@@ -8,6 +8,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from ..arrays import Array
 from ..dynamics.method import Method, governing_method
 from ..dynamics.outcome import Outcome, safe
 from ..dynamics.shared_march import SharedMarch
@@ -17,8 +18,6 @@ from ..structures.friction import friction_that_slides
 from ..structures.parameters import RockingParameters
 from .capacity import falls_may_be_narrow
 from .first_falls import Climb, lowest_falls
-
-Array = np.ndarray
 
 _RATIO = 0.01  # ratio of neighbouring amplitudes of the search, minus 1
 _DIGITS = 1e-6  # relative width of a traced first overturning amplitude

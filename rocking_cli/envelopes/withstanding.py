@@ -11,8 +11,6 @@ from ..dynamics.shared_march import SharedMarch
 from .capacity import SHIFTS, CapacitySearch
 from .first_falls import Climb, lowest_falls
 
-Array = np.ndarray
-
 
 def withstand(
     searches: Sequence[CapacitySearch], margin: float, *, scanned: bool = True

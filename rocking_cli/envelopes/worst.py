@@ -20,8 +20,6 @@ from .amplitudes import Limit
 from .frequency_search import FrequencyRange, FrequencySearch, Tell, WorstFrequency
 from .intervals import A_MAX, in_turn
 
-Array = np.ndarray
-
 # share of a search that counts when its result has come from its process
 _LAST = 0.01
 # ratio of an end of the range and the last frequency that is tried beyond it

@@ -6,9 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..arguments import check_fields
+from ..arrays import Array
 from .estimates import Estimate, stripes
-
-Array = np.ndarray
 
 
 @dataclass(frozen=True)

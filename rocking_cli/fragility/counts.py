@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ..arrays import Array
 from ..documents.files import named_after
 from ..documents.quantities import DEFAULT_GRAVITY, is_bare, unit_of
 from ..documents.table import named_rows
@@ -18,7 +19,6 @@ from .fitted_curve import Fit, drawn_at, rate_of
 from .hazard import HazardCurve
 from .measures import cell
 
-Array = np.ndarray
 Row = tuple[int, dict[str, str]]  # line and cells by column
 
 _LEVEL = "im"  # the column of levels that names no measure

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..arrays import Array
 from ..dynamics.outcome import Outcome, falls
 from ..envelopes.together import Together
 from ..errors import UsageError
@@ -15,8 +16,6 @@ from ..structures.parameters import RockingParameters
 from .exposure import MotionSet, Progress
 from .fitted_curve import SlideLimit
 from .measures import MotionMember
-
-Array = np.ndarray
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,7 +9,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-Array = np.ndarray
+from ..arrays import Array
+
 Estimate = tuple[Array, Array]  # ln of the median, and beta, each (...)
 
 LEAST = 1e-4  # data with a dispersion below this count as data without scatter

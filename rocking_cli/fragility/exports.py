@@ -21,6 +21,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ..arrays import Array
 from ..errors import UsageError
 from ..motions.intensity_measures import Measure, measure_of
 from ..publishing import check_target, published
@@ -30,7 +31,6 @@ from .fitted_curve import Fit
 from .hazard_files import openquake_unit
 from .study import Study
 
-Array = np.ndarray
 FORMS = {"openquake": ".xml", "pelicun": ".csv"}  # and the suffix of each
 _NRML = "http://openquake.org/xmlns/nrml/0.5"
 _DEMANDS = {

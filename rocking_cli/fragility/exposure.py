@@ -11,6 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ..arrays import Array
 from ..dynamics.method import Method
 from ..dynamics.outcome import Outcome, falls
 from ..dynamics.response import response
@@ -30,7 +31,6 @@ from ..structures.parameters import RockingParameters
 from .fitted_curve import SlideLimit
 from .measures import MotionMember
 
-Array = np.ndarray
 Interval = tuple[float, float]
 Task = tuple[int, int]  # indices of a structure and a motion
 Progress = Callable[[float, int], None]

@@ -5,11 +5,10 @@ from typing import Any
 
 import numpy as np
 
+from ..arrays import Array
 from ..errors import ArgumentError, UsageError, counted
 from ..showing import Shown
 from .estimates import MOST, Estimate, cloud, first_overturning, stripes
-
-Array = np.ndarray
 
 FEWEST = 4  # least number of records for a fit
 

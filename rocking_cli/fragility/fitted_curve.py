@@ -8,12 +8,12 @@ from typing import Any
 
 import numpy as np
 
+from ..arrays import Array
 from ..showing import Shown
 from .bootstrap import Band
 from .fits import Curve
 from .hazard import HazardCurve, Rate
 
-Array = np.ndarray
 FRAGILITY_COLUMNS = (
     "structure",
     "im",

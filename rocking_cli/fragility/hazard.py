@@ -20,11 +20,11 @@ from typing import Any
 import numpy as np
 
 from ..arguments import check_fields
+from ..arrays import Array
 from ..errors import UsageError
 from ..motions.intensity_measures import measure_of
 from ..showing import Shown
 
-Array = np.ndarray
 RATE_COLUMNS = (
     "annual_rate",
     "annual_rate_low",

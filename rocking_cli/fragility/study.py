@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from ..arrays import Array
 from ..dynamics.method import LINEAR, Method, governing_method
 from ..dynamics.outcome import Outcome
 from ..errors import UsageError, did_you_mean
@@ -48,7 +49,6 @@ from .hazard import HazardCurve, Rate
 from .hazard_files import read_hazard
 from .measures import MotionMember, members_of
 
-Array = np.ndarray
 # a curve, the estimate of samples of its records, and the points of the data
 Fitted = tuple[Curve, Callable[[Array], Estimate], dict[float, float]]
 METHODS = ("stripes", "first", "cloud")

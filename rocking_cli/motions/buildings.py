@@ -24,6 +24,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from ..arrays import Array
 from ..documents.quantities import quantity_at
 from ..errors import UsageError
 from .blocks import largest
@@ -34,7 +35,6 @@ from .polyline import Polyline
 if TYPE_CHECKING:
     from .records.record import Record
 
-Array = np.ndarray
 
 CHORD = 1e-3  # of the largest acceleration of the floor
 TAIL = 1e-3  # of it, that the free vibration has at the end

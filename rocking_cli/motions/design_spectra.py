@@ -14,6 +14,7 @@ from typing import Any, Self
 
 import numpy as np
 
+from ..arrays import Array
 from ..documents.files import named_after, read_bytes
 from ..documents.quantities import parse_quantity, quantity_at, split_quantity
 from ..documents.table import Cell, rows_of
@@ -25,8 +26,6 @@ from .buildings import LARGEST, LONGEST, SHORTEST
 from .motion import Motion
 from .records.record import Record
 from .response_spectra import DAMPING, acceleration_spectrum, displacement_spectrum
-
-Array = np.ndarray
 
 # of a pulse; their lines change S_d by less than 1e-5 of it, with a jump inside the
 # pulse by 1e-3

@@ -8,12 +8,11 @@ from pathlib import Path
 
 import numpy as np
 
+from ..arrays import Array
 from ..documents.quantities import DEFAULT_GRAVITY
 from ..showing import Shown
 from .blocks import largest
 from .records import Record, record_from
-
-Array = np.ndarray
 
 
 @dataclass(frozen=True, repr=False)

@@ -7,12 +7,11 @@ from functools import cached_property
 
 import numpy as np
 
+from ..arrays import Array
 from ..errors import MotionError
 from .blocks import largest
 from .motion import Floor, Motion, Piece, upwards
 from .segments import Samples, Segments, largest_from
-
-Array = np.ndarray
 
 # second difference over the largest s of three points on a line: the rounding of an
 # interpolation

@@ -19,11 +19,10 @@ from pathlib import Path
 
 import numpy as np
 
+from ..arrays import Array
 from ..documents.quantities import parse_quantity
 from ..errors import ArgumentError, UsageError
 from .records import Record, record_from
-
-Array = np.ndarray
 
 DAMPING = 0.05  # damping of a spectrum that states none, and of measures
 # in the shortest period, at least: then a step holds one turning point of u

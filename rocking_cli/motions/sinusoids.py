@@ -23,7 +23,7 @@ from typing import Any
 
 import numpy as np
 
-Array = np.ndarray
+from ..arrays import Array
 
 _TERMS = 12  # of the Taylor series
 _CELLS = 4  # first intervals for each period of the fastest sinusoid

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from ..arrays import Array
 from ..dynamics.equations.equation import Equation, Point
 from ..dynamics.equations.taylor import TaylorSeries
 from ..dynamics.outcome import LOST, Outcome
@@ -20,7 +21,6 @@ from ..showing import Shown
 if TYPE_CHECKING:
     from ..dynamics.tied.devices import Devices
 
-Array = np.ndarray
 
 INVISIBLE = 1e-4  # speed of a bounce, y' by tau: its height is below 1e-8
 _KNOWN = (Outcome.ROCKED, Outcome.LEANING)  # outcomes with a largest rotation

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.polynomial import chebyshev
 
-Array = np.ndarray
+from ..arrays import Array
 
 _DEGREE = 24
 # last coefficients over the largest: the place of an extremum is then good to 1e-5 of

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from ..arrays import Array
 from ..dynamics.outcome import Outcome
 from ..structures.mechanics.joint_forces import Measured
 from .arcs import LATE, Event
@@ -22,8 +23,6 @@ from .ground_forces import (
     RequiredFriction,
     body_forces,
 )
-
-Array = np.ndarray
 
 
 @dataclass(frozen=True)

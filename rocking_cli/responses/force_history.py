@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ..arrays import Array
 from ..dynamics.equations.equation import Equation, Point
 from ..motions.blocks import blocks
 from ..structures.mechanics.joint_forces import Measured
@@ -19,8 +20,6 @@ from ..structures.parameters import RockingParameters
 from .arcs import Event, History
 from .chebyshev import extent
 from .ground_history import GroundMotion
-
-Array = np.ndarray
 
 _INSTANTS = 0.5 * (1.0 - np.cos(np.linspace(0.0, np.pi, 17)))  # of an arc
 _INSIDE = 0.5 * (1.0 - np.cos(np.linspace(0.0, np.pi, 25)))[1:-1]

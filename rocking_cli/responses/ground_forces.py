@@ -26,13 +26,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ..arrays import Array
 from ..dynamics.body import ground_reaction
 from ..errors import UsageError
 from ..structures.mechanics.joint_forces import Measured, ratio_of
 from ..structures.parameters import RockingParameters
 from .force_history import Instants
-
-Array = np.ndarray
 
 
 class Forces(NamedTuple):

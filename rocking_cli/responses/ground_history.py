@@ -9,12 +9,11 @@ from itertools import pairwise
 
 import numpy as np
 
+from ..arrays import Array
 from ..motions.blocks import blocks
 from ..motions.motion import Motion
 from ..motions.polyline import Polyline
 from .chebyshev import Extent, extent
-
-Array = np.ndarray
 
 
 @dataclass(frozen=True)

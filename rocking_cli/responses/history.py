@@ -10,6 +10,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from ..arrays import Array
 from ..dynamics.batch import MAX_STEPS
 from ..dynamics.one.lane import Lane
 from ..dynamics.one.march import march
@@ -21,8 +22,6 @@ from ..motions.given import AnyMotion, motion_from
 from ..motions.motion import Motion, Piece
 from ..motions.segments import Segments
 from .arcs import INVISIBLE, Event, History, HistoryArcs, Writer
-
-Array = np.ndarray
 
 LONGEST = 1e9  # tau: beyond, doubles do not tell the times of an arc apart
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-Array = np.ndarray
+from ..arrays import Array
 
 LEVEL = 0.95  # of the intervals
 BINS = 16  # of equal count, for an index of first order

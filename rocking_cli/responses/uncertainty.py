@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..arrays import Array
 from ..dynamics.method import governing_method
 from ..dynamics.outcome import Outcome
 from ..dynamics.response import LONG
@@ -23,8 +24,6 @@ from ..structures.draws import DRAWS, draws
 from ..structures.given import Structure, structure_from
 from ..structures.parameters import RockingParameters
 from .shares import ShareOfDraws, first_order_indices
-
-Array = np.ndarray
 
 QUANTILES = {"q05": 0.05, "q50": 0.5, "q95": 0.95}  # by their names in columns
 _UNDER_A_RECORD = 64  # draws whose first overturning is searched under a record

@@ -10,10 +10,9 @@ from typing import Any, Self
 
 import numpy as np
 
+from ..arrays import Array
 from ..dynamics.equations.linear import SERIES
 from ..dynamics.method import Method
-
-Array = np.ndarray
 
 # bins; a smaller condition counts in the first one, a larger one in the last
 _PER_DECADE, _DECADES, _LOWEST = 64, 32, -8.0

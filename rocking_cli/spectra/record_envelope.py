@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from ..arrays import Array
 from ..dynamics.method import Method, governing_method
 from ..dynamics.outcome import Outcome
 from ..envelopes.amplitudes import Limit, limit_of
@@ -40,8 +41,6 @@ from ..motions.named import recordings_from
 from ..processes import available_cpus
 from ..structures.given import Structure, structure_from
 from .record_scene import RecordScene, structures_scene
-
-Array = np.ndarray
 
 # parts of a bracket in one cut: there are few brackets, and a batch costs the same for
 # any size

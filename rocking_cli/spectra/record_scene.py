@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from ..arrays import Array
 from ..documents.quantities import DEFAULT_GRAVITY
 from ..dynamics.method import LINEAR, TOLERANCE, Method, governing_method
 from ..dynamics.outcome import Outcome
@@ -22,7 +23,7 @@ from ..motions.grid import MAX_CELLS, Axis, parse_angles, parse_axes, written_ax
 from ..motions.recording import Recording
 from ..structures.parameters import RockingParameters
 from .dimensions import RECORDED, Frame, lists_of, structure_lists, varied_units
-from .scene import Array, CellBand, Scene, SceneCell, Unit
+from .scene import CellBand, Scene, SceneCell, Unit
 
 COLUMNS = ("scale", "A", "a_g", "T")
 AS_RECORDED = Axis("scale", np.array([1.0]))

@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ..arrays import Array
 from ..dynamics.method import LINEAR, Method
 from ..dynamics.outcome import Outcome
 from ..dynamics.system import System
@@ -23,8 +24,6 @@ from ..motions.grid import Grid
 from ..structures.friction import friction_that_slides
 from ..structures.parameters import RockingParameters
 from .dimensions import Frame, structure_lists, varied_units
-
-Array = np.ndarray
 
 
 @dataclass(frozen=True)

@@ -19,6 +19,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ..arrays import Array
 from ..dynamics.method import Method
 from ..dynamics.outcome import Difference, Outcome, difference, falls
 from ..dynamics.response import response
@@ -27,7 +28,6 @@ from ..structures.parameters import RockingParameters
 from .error_bound import tolerance_of
 from .scene import PulseScene, Scene, Unit
 
-Array = np.ndarray
 Place = tuple[int, int, int]  # (structure, row, column) of a cell
 
 _SEED = 20120924

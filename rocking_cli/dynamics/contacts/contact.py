@@ -10,11 +10,12 @@ from typing import Any, NamedTuple, Self
 
 import numpy as np
 
+from ...arrays import Array
 from ...errors import ArgumentError
 from ...motions.segments import Segments
 from ..drive import crossing, drive_change
 from ..equations.equation import Equation
-from ..lanes import Array, Cells, Lanes
+from ..lanes import Cells, Lanes
 from .sequences import OtherSide, sequence_ends, sequence_time
 
 

@@ -8,10 +8,11 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ...arrays import Array
 from ...motions.blocks import blocks
 from ...motions.segments import Segments
 from ..equations.equation import Equation
-from ..lanes import Array, Lanes
+from ..lanes import Lanes
 from .sequences import BELOW_ROUNDING, forces_at_ground
 
 # eta above which bodies are tested for lasting bounces: bodies with a smaller eta come

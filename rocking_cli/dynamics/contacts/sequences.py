@@ -7,10 +7,11 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ...arrays import Array
 from ...motions.segments import Segments
 from ..drive import drive_change
 from ..equations.equation import Equation
-from ..lanes import Array, Arrays, Lanes
+from ..lanes import Arrays, Lanes
 
 # With (nearly) no loss at impacts a sequence (nearly) never ends: a speed and a height
 # below these are rest to every digit of theta/alpha.

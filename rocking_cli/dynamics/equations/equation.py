@@ -14,9 +14,10 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Self
 
 import numpy as np
 
+from ...arrays import Array
 from ...errors import ArgumentError
 from ...motions.segments import Segments
-from ..lanes import Array, Lanes
+from ..lanes import Lanes
 from .recurrence import Rows, Series
 
 if TYPE_CHECKING:

@@ -7,8 +7,9 @@ from collections.abc import Callable
 
 import numpy as np
 
+from ...arrays import Array
 from ...motions.segments import Segments
-from ..lanes import Array, Lanes
+from ..lanes import Lanes
 from .equation import Equation
 from .recurrence import Series
 from .taylor import TaylorSeries, line_flow, order_for, series, series_flow

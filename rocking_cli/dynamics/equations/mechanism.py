@@ -20,10 +20,11 @@ from operator import mul
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
+from ...arrays import Array
 from ...motions.segments import Segments
 from ...structures.mechanics.kinematics import Mechanism
 from ..drive import summed
-from ..lanes import Array, Lanes
+from ..lanes import Lanes
 from .equation import Equation, falls_by_energy
 from .patches import DEGREE, inverse, largest, tabulate
 from .recurrence import Rows, Series

@@ -8,9 +8,9 @@ from functools import lru_cache
 
 import numpy as np
 
+from ...arrays import Array
 from ...errors import ArgumentError
 from ...structures.mechanics.kinematics import Mechanism, linearise
-from ..lanes import Array
 
 DEGREE = 28  # degree of the series of a patch
 _PARTS = 512  # narrow patches that a fitted patch is cut into

@@ -16,7 +16,8 @@ from typing import Any, Protocol, Self
 
 import numpy as np
 
-Array = np.ndarray
+from ...arrays import Array
+
 Series = Any  # a list of floats or of arrays, or Rows: terms 0, 1, 2 ... of a series
 
 

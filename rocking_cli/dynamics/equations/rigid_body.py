@@ -11,10 +11,11 @@ from typing import Any, Self
 
 import numpy as np
 
+from ...arrays import Array
 from ...errors import ArgumentError
 from ...motions.segments import Segments
 from ...structures.parameters import LEAST_ALPHA
-from ..lanes import Array, Lanes
+from ..lanes import Lanes
 from .equation import Equation, falls_by_energy
 from .recurrence import Series, product_terms
 from .taylor import TaylorSeries, line_flow, order_for, series, series_flow

@@ -8,11 +8,12 @@ from functools import lru_cache
 
 import numpy as np
 
+from ...arrays import Array
 from ...errors import ArgumentError
 from ...motions.blocks import blocks
 from ...motions.segments import Segments
 from ..drive import segment_value
-from ..lanes import Array, Arrays, Lanes
+from ..lanes import Arrays, Lanes
 from .equation import Drive, Point
 from .recurrence import Recurrence, Rows, motion_terms
 

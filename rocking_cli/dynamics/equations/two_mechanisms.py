@@ -10,8 +10,9 @@ from typing import Any
 
 import numpy as np
 
+from ...arrays import Array
 from ...motions.segments import Segments
-from ..lanes import Array, Lanes
+from ..lanes import Lanes
 from .equation import Equation
 from .mechanism import MechanismEquation, composed
 from .recurrence import Rows, Series

@@ -18,10 +18,11 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ...arrays import Array
 from ...motions.segments import Segments
 from ..equations.equation import Equation, Point
 from ..equations.taylor import MOST_TERMS, TaylorSeries, powers
-from ..lanes import Array, Lanes
+from ..lanes import Lanes
 from .roots import bernstein_form, fall_guess, only_root, turn_guess
 
 # a step with several sign changes is halved so often at the most; two turns closer than

@@ -13,12 +13,13 @@ from typing import TypeVar
 
 import numpy as np
 
+from ...arrays import Array
 from ..batch import Batch
 from ..condition import at_free_peak, moved, slope_between, through_impact
 from ..contacts.sequences import STILL
 from ..drive import place
 from ..equations.equation import Equation
-from ..lanes import Array, Lanes
+from ..lanes import Lanes
 from ..observers.observer import Arcs, Observer
 from ..outcome import FALLEN, Outcome, Work
 from .advance import StepResult, advance

@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ...arrays import Array
 from ..batch import Batch
 from ..contacts.lasting_bounces import (
     NEARLY_ELASTIC,
@@ -14,7 +15,7 @@ from ..contacts.lasting_bounces import (
     stays_below_peak,
     too_many_impacts,
 )
-from ..lanes import Array, Lanes
+from ..lanes import Lanes
 from ..outcome import Outcome
 
 # of a motion; with more an envelope also scans where the number of impacts changes:

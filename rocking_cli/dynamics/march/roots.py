@@ -7,8 +7,8 @@ from math import comb
 
 import numpy as np
 
+from ...arrays import Array
 from ..equations.taylor import powers, product
-from ..lanes import Array
 
 _NODES = 17  # points of a step at which an impact is looked for
 _NEAR = 6  # degree of the series about a guess

@@ -24,10 +24,11 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ...arrays import Array
 from ..batch import Batch
 from ..body import Body, Edge, ground_reaction, safe_acceleration
 from ..contacts.sequences import STILL, sequence_bounds
-from ..lanes import Array, Arrays, Lanes
+from ..lanes import Arrays, Lanes
 from .observer import Arcs, Observer
 
 # least denominator in the bound of |u'|; a stretch for which it is smaller is too long

@@ -8,7 +8,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..lanes import Array, Arrays
+from ...arrays import Array
+from ..lanes import Arrays
 
 _CUT = 1.6  # longest stretch, times the rate of change of the quantity
 _CUTS = 7  # largest number of evaluations inside a stretch, at peaks of cubics

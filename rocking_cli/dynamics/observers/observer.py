@@ -6,8 +6,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ...arrays import Array
 from ..equations.taylor import TaylorSeries
-from ..lanes import Array, Lanes
+from ..lanes import Lanes
 
 
 class Arcs(NamedTuple):

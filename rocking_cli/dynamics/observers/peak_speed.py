@@ -8,8 +8,9 @@ from typing import Any
 
 import numpy as np
 
+from ...arrays import Array
 from ..batch import Batch
-from ..lanes import Array, Lanes
+from ..lanes import Lanes
 from .extremes import ExtremePoint, Extremes, SearchStretches, parts
 from .observer import Arcs, Observer
 

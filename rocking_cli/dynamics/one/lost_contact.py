@@ -7,9 +7,10 @@ from itertools import zip_longest
 
 import numpy as np
 
+from ...arrays import Array
 from ..batch import Batch
 from ..equations.taylor import TaylorSeries
-from ..lanes import Array, Cells, Lanes
+from ..lanes import Cells, Lanes
 from ..observers.contact_loss import ContactLoss
 from ..observers.observer import Arcs
 from .lane import Lane

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from ...arrays import Array
 from ...motions.segments import Segments
 from ..lanes import Array
 from ..system import System

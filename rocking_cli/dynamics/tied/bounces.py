@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from ...arrays import Array
 from ...motions.segments import Segments
 from ..contacts.contact import Contact
 from ..contacts.sequences import (
@@ -16,7 +17,6 @@ from ..contacts.sequences import (
 )
 from ..drive import segment_value
 from ..equations.equation import Equation
-from ..lanes import Array
 from .devices import BROKEN, Devices
 from .tied_lanes import TiedLanes
 

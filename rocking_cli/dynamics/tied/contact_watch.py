@@ -22,9 +22,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ...arrays import Array
 from ...motions.blocks import blocks
 from ..body import Body, Edge, ground_reaction
-from ..lanes import Array, Lanes
+from ..lanes import Lanes
 from .devices import Branch, Devices
 from .series import Step
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..lanes import Array
+from ...arrays import Array
 from .devices import Branch
 from .series import Step, falls
 from .tied_lanes import CutStep

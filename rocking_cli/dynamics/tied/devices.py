@@ -23,11 +23,11 @@ from typing import NamedTuple, Self
 
 import numpy as np
 
+from ...arrays import Array
 from ...structures.parameters import RockingParameters
 from ...structures.restraints import SIDES, Restraints, Tie
 from ..body import Body
 from ..equations.equation import Equation
-from ..lanes import Array
 from .pulls import Pull, elongation
 
 SLACK, ELASTIC, YIELDING, BROKEN = range(4)

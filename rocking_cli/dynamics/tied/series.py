@@ -17,6 +17,7 @@ from typing import Any, NamedTuple, Self
 
 import numpy as np
 
+from ...arrays import Array
 from ...motions.segments import Segments
 from ..drive import drive_change
 from ..equations import taylor
@@ -24,7 +25,7 @@ from ..equations.equation import Equation, Point
 from ..equations.recurrence import Series, product_term, product_terms
 from ..equations.rigid_body import RigidBodyEquation
 from ..equations.taylor import TaylorSeries
-from ..lanes import Array, Lanes
+from ..lanes import Lanes
 from ..march.advance import one_turn_step
 from ..march.roots import fall_guess, only_root
 from .devices import Branch, Devices

@@ -9,8 +9,9 @@ from typing import NamedTuple, Protocol, Self
 
 import numpy as np
 
+from ...arrays import Array
 from ..equations.taylor import TaylorSeries
-from ..lanes import Array, Lanes
+from ..lanes import Lanes
 from ..outcome import Work
 from .devices import Branch
 

@@ -39,13 +39,14 @@ from dataclasses import replace
 
 import numpy as np
 
+from ...arrays import Array
 from ...errors import UsageError
 from ...motions.motion import Motion
 from ..batch import MAX_STEPS
 from ..contacts.contact import OneSided
 from ..drive import place
 from ..equations.taylor import TaylorSeries
-from ..lanes import Array, Cells, Lanes
+from ..lanes import Cells, Lanes
 from ..outcome import FALLEN, LOST, Outcome
 from ..system import System
 from .bounces import Bounces

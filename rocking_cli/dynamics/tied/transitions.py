@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..lanes import Array
+from ...arrays import Array
 from .devices import BROKEN, ELASTIC, SLACK, YIELDING, Devices
 from .tied_lanes import Recorder, TiedLanes, note
 

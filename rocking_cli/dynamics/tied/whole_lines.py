@@ -25,6 +25,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ...arrays import Array
 from ...motions.segments import Segments
 from ..body import Body
 from ..equations.equation import Equation
@@ -38,7 +39,6 @@ from ..equations.taylor import (
     last_terms,
     size_limits,
 )
-from ..lanes import Array
 from .devices import BROKEN, Devices
 from .series import HeldBody, changed, growth
 from .tied_lanes import OnBranch, Recorder, TiedLanes

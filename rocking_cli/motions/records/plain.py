@@ -10,11 +10,11 @@ from pathlib import Path
 
 import numpy as np
 
+from ...arrays import Array
 from ...errors import DocumentError, UsageError
 from .claims import Claims, agree
 from .first_numbers import without_first_numbers
 from .headings import ACCELERATION, BARE, FREQUENCY, PERIOD, TIME, UNKNOWN, HeadingCell
-from .printed_numbers import Array
 from .record import EVERY, Series
 from .rows import NumberRows, is_row, rows_of
 from .text import RecordText

@@ -4,7 +4,7 @@ import re
 
 import numpy as np
 
-Array = np.ndarray
+from ...arrays import Array
 
 NUMBER = re.compile(rb"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?")
 OF_NUMBERS = b" \t\n0123456789+-.eEdD*"  # the characters of a block, with stars

@@ -8,8 +8,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ...arrays import Array
 from .claims import agree
-from .printed_numbers import Array, finite_number
+from .printed_numbers import finite_number
 from .text import RecordText
 
 _ODD_COMMA = re.compile(rb",(?![0-9])|,[0-9]*,")

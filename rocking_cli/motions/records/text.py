@@ -10,12 +10,12 @@ from typing import NamedTuple, Self
 
 import numpy as np
 
+from ...arrays import Array
 from ...errors import DocumentError, NoAcceleration
 from .encodings import as_utf_8, encoding_of
 from .printed_numbers import (
     NUMBER,
     OF_NUMBERS,
-    Array,
     finite_number,
     parsed,
     shown,

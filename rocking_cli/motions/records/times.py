@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from .printed_numbers import Array
+from ...arrays import Array
 from .text import RecordText
 
 

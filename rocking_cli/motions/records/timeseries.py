@@ -9,7 +9,7 @@ from datetime import datetime, timedelta
 
 import numpy as np
 
-from .printed_numbers import Array
+from ...arrays import Array
 from .record import Series
 from .text import Layout, RecordText, begins
 from .units import unit_of

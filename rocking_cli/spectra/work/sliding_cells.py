@@ -8,14 +8,13 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from ...arrays import Array
 from ...dynamics.outcome import Difference, Outcome
 from ...dynamics.sliding import Base
 from ...structures.friction import friction_that_slides
 from ...structures.parameters import RockingParameters
 from ..dimensions import QUANTITIES
 from ..scene import CellBand
-
-Array = np.ndarray
 
 
 def sliding_block(

@@ -11,6 +11,7 @@ from itertools import combinations
 
 import numpy as np
 
+from ...arrays import Array
 from .assembly import (
     GROUND,
     Assembly,
@@ -23,8 +24,6 @@ from .assembly import (
 )
 from .linkage import Linkage
 from .loop_closure import Positions
-
-Array = np.ndarray
 
 _POSITIONS = 40  # between rest and alpha at which outlines are looked at
 _DEEP = 1e-5  # of the size: outlines that lie deeper in each other meet

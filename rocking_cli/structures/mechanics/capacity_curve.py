@@ -18,11 +18,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ...arrays import Array
 from ...errors import UsageError
 from ..parameters import RockingParameters, Side
 from ..restraints import SIDES, Restraints
-
-Array = np.ndarray
 
 _POINTS = 2001
 _AROUND_BREAK = 1e-9  # relative distance of the points on either side of a break

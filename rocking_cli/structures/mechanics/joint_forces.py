@@ -15,12 +15,11 @@ from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
+from ...arrays import Array
 from ..sketch import Point
 from .assembly import BOTH, NEAR, NONE, VERTICAL, Face, Hinge
 from .linkage import Linkage
 from .loop_closure import Positions
-
-Array = np.ndarray
 
 _UNIQUE = 1e-9  # least singular value over the largest: forces are unique
 

@@ -16,9 +16,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ...arrays import Array
 from .assembly import BOTH, NONE, PlanarBody
 from .kinematics import Coefficients
-from .loop_closure import Array, LoopClosure, Positions
+from .loop_closure import LoopClosure, Positions
 
 
 class LinkMass(NamedTuple):

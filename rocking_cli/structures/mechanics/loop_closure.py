@@ -19,10 +19,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ...arrays import Array
 from ..sketch import Point
 from .assembly import GROUND, Assembly, Face, Hinge, Joint, MechanismFault, Slide
-
-Array = np.ndarray
 
 _CLOSED = 1e-9  # of the size: the largest gap of a closed loop
 _NO_TURN = 1e-9  # of the fastest motion: a body that turns less does not turn

@@ -14,12 +14,11 @@ from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
+from ...arrays import Array
 from .assembly import GROUND, Assembly, Hinge, PlanarBody
 from .fourbar import EXTRADOS, INTRADOS, FourBar
 from .joint_forces import JointForce, JointForces, Measured, Moving, ratio_of
 from .linkage import Linkage
-
-Array = np.ndarray
 
 _SECTIONS = 180  # radial sections of an arch without voussoirs that are looked at
 _RATIOS = ("friction", "eccentricity")

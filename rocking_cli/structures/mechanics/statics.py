@@ -15,6 +15,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ...arrays import Array
 from ..sketch import Point
 from .assembly import (
     BOTH,
@@ -27,8 +28,6 @@ from .assembly import (
     Rigid,
     Slide,
 )
-
-Array = np.ndarray
 
 _STILL = 1e-6  # of the largest velocity of the dual: a relative velocity that is zero
 _TOLERANCE = 1e-10  # of the programme

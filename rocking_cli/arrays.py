@@ -1,0 +1,5 @@
+"""The one name for arrays in annotations."""
+
+import numpy as np
+
+Array = np.ndarray
