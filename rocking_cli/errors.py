@@ -111,7 +111,7 @@ class StructureError(RockingError, ValueError):
 
     Examples
     --------
-    >>> dimensionless_oscillator(1.2)
+    >>> dimensionless_oscillator(eta=1.2)
     Traceback (most recent call last):
         ...
     rocking_cli.errors.StructureError: eta is 1.2; expected a number from 0 to 1

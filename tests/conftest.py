@@ -152,7 +152,7 @@ def spectrum_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A complete spectra file of one restitution, to be read only."""
     path = tmp_path_factory.mktemp("spectra") / "s.h5"
     write_spectrum(
-        [dimensionless_oscillator(0.9)],
+        [dimensionless_oscillator(eta=0.9)],
         sine(),
         parse_grid("A=0.5:8:200,Omega=1:8:200"),
         path,

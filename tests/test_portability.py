@@ -41,7 +41,7 @@ def stop(done, total):
         raise KeyboardInterrupt
 
 grid = parse_grid("A=1:8:20,Omega=1:8:20")
-call = [dimensionless_oscillator(0.9)], sine(), grid, "s.h5"
+call = [dimensionless_oscillator(eta=0.9)], sine(), grid, "s.h5"
 try:
     write_spectrum(*call, workers=1, chunk_cells=100, progress=stop)
 except Interrupted:

@@ -129,7 +129,7 @@ def test_a_function_stands_before_the_subpackage_of_its_name():
 
 def test_a_drawing_goes_into_axes_of_the_caller(tmp_path):
     figure = pytest.importorskip("matplotlib.figure").Figure()
-    bodies = [dimensionless_oscillator(0.9), dimensionless_oscillator(0.8)]
+    bodies = [dimensionless_oscillator(eta=0.9), dimensionless_oscillator(eta=0.8)]
     rocking_cli.write_spectrum(
         bodies, sine(), parse_grid("A=1:8:9,Omega=4:5:2"), tmp_path / "d.h5", workers=1
     )
@@ -387,7 +387,10 @@ def test_a_spectrum_becomes_the_dataset_that_its_file_holds(tmp_path):
 def test_without_xarray_one_sentence_says_so(monkeypatch):
     monkeypatch.setitem(sys.modules, "xarray", None)
     found = spectrum(
-        [dimensionless_oscillator(0.9)], sine(), parse_grid("A=2,Omega=5"), workers=1
+        [dimensionless_oscillator(eta=0.9)],
+        sine(),
+        parse_grid("A=2,Omega=5"),
+        workers=1,
     )
     with pytest.raises(rocking_cli.OutputError, match="to_xarray needs xarray"):
         found.to_xarray()

@@ -222,7 +222,7 @@ def structures_of(
     if None in etas:
         raise click.UsageError("--eta block goes with --alpha")
     structures = [build_structure(document) for document in documents]
-    oscillators = [dimensionless_oscillator(eta) for eta in etas if eta is not None]
+    oscillators = [dimensionless_oscillator(eta=eta) for eta in etas if eta is not None]
     found = list(introduced(with_distinct_names([*structures, *oscillators])))
     note_interfaces(found)
     return found, "\n---\n".join(d.text for d in documents)

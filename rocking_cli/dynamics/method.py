@@ -118,7 +118,7 @@ class Method:
     >>> found = response(system, sine(), 1.5, 6.0, column.eta)
     >>> f"{float(found.theta_ratio):.6f}"
     '0.156450'
-    >>> Method().exact, Method("nonlinear").serves(dimensionless_oscillator(0.9))
+    >>> Method().exact, Method("nonlinear").serves(dimensionless_oscillator(eta=0.9))
     (True, False)
     """
 

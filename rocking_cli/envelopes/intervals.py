@@ -71,7 +71,7 @@ class Interval(NamedTuple):
 
     Examples
     --------
-    >>> first = trace_envelope(dimensionless_oscillator(0.9), sine(), [3.0])[0]
+    >>> first = trace_envelope(dimensionless_oscillator(eta=0.9), sine(), [3.0])[0]
     >>> f"{first.a_from:.4f} to {first.a_to:.4f}", first.mode
     ('1.4036 to 3.4847', 'after_impact')
     """
@@ -106,7 +106,7 @@ def trace_envelope(
     ----------
     structure
         parameters, a document, a path, or a text such as "block:0.5x2"; of
-        `dimensionless_oscillator(eta)` only the restitution is known
+        `dimensionless_oscillator(eta=...)` only the restitution is known
     motion
         the motion of the ground: an object, the name of a pulse, or a path
     omegas
@@ -139,7 +139,7 @@ def trace_envelope(
 
     Examples
     --------
-    >>> oscillator = dimensionless_oscillator(0.9)
+    >>> oscillator = dimensionless_oscillator(eta=0.9)
     >>> for interval in trace_envelope(oscillator, sine(), [3.0]):
     ...     print(round(interval.a_from, 5), interval.a_to and round(interval.a_to, 5))
     1.40357 3.48466

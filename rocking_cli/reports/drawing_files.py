@@ -141,7 +141,7 @@ def draw(
     Examples
     --------
     >>> grid = parse_grid("A=1:8:50,Omega=4:5:2")
-    >>> structures = [dimensionless_oscillator(0.9)]
+    >>> structures = [dimensionless_oscillator(eta=0.9)]
     >>> _ = write_spectrum(structures, sine(), grid, "d.h5", workers=1)
     >>> draw("d.h5", "slice.svg", cut="Omega=5")
     'slice at Omega = 5, the nearest of the file'

@@ -180,7 +180,7 @@ def accuracy(
     --------
     >>> grid = parse_grid("A=1:8:20,Omega=1:8:20")
     >>> rows = accuracy(
-    ...     dimensionless_oscillator(0.9), sine(), grid, sample=5, scipy=0
+    ...     dimensionless_oscillator(eta=0.9), sine(), grid, sample=5, scipy=0
     ... )
     >>> rows[0]["method"], rows[0]["misjudged"]
     ('rocking, exact', 0)

@@ -63,7 +63,7 @@ def predict(
 
     Examples
     --------
-    >>> oscillator = dimensionless_oscillator(0.9)
+    >>> oscillator = dimensionless_oscillator(eta=0.9)
     >>> grid = parse_grid("A=1:4:50,Omega=1:8:50")
     >>> _ = write_spectrum([oscillator], sine(), grid, "p.h5", workers=1)
     >>> found = predict(oscillator, "p.h5", parse_grid("A=1.5,Omega=6"))

@@ -36,15 +36,17 @@ def block_of(alpha: float, eta: float | None) -> RockingParameters:
     that of a block wider than 1.41 times its height.
     """
     own, arm = 1.0 - 1.5 * math.sin(alpha) ** 2, 0.75 * DEFAULT_GRAVITY
-    numbers = (
-        1.0,
-        alpha,
-        own if eta is None else eta,
-        math.tan(alpha),
-        1.0,
-        "momentum" if eta is None else "given",
+    return RockingParameters(
+        name=f"alpha={alpha:.6g}",
+        structure="block",
+        p=1.0,
+        alpha=alpha,
+        eta=own if eta is None else eta,
+        uplift=math.tan(alpha),
+        a_scale=1.0,
+        eta_source="momentum" if eta is None else "given",
+        arm=arm,
     )
-    return RockingParameters(f"alpha={alpha:.6g}", "block", *numbers, arm=arm)
 
 
 @dataclass(frozen=True, eq=False)

@@ -77,7 +77,7 @@ class Summary(Shown):
     Examples
     --------
     >>> grid = parse_grid("A=1:3:3,Omega=2:4:2")
-    >>> found = spectrum([dimensionless_oscillator(0.9)], sine(), grid, workers=1)
+    >>> found = spectrum([dimensionless_oscillator(eta=0.9)], sine(), grid, workers=1)
     >>> found.summary.cells, found.summary.misjudged
     (6, 0)
     """
@@ -206,7 +206,7 @@ class Spectrum(Shown):
     Examples
     --------
     >>> grid = parse_grid("A=1:3:3,Omega=2:4:2")
-    >>> found = spectrum([dimensionless_oscillator(0.9)], sine(), grid, workers=1)
+    >>> found = spectrum([dimensionless_oscillator(eta=0.9)], sine(), grid, workers=1)
     >>> [Outcome(int(code)).flag for code in found.outcome[0, 1]]
     ['no_uplift', 'overturned_after_impact', 'overturned_after_impact']
     >>> found.scene.grid.amplitude.values.tolist()

@@ -206,7 +206,7 @@ def spectrum(
     Examples
     --------
     >>> grid = parse_grid("A=1:8:50,Omega=1:8:40")
-    >>> found = spectrum([dimensionless_oscillator(0.9)], sine(), grid, workers=1)
+    >>> found = spectrum([dimensionless_oscillator(eta=0.9)], sine(), grid, workers=1)
     >>> found.theta_ratio.shape, int(overturned(found.outcome).sum())
     ((1, 40, 50), 1163)
     """
@@ -312,7 +312,7 @@ def write_spectrum(
     Examples
     --------
     >>> grid = parse_grid("A=1:8:50,Omega=1:8:40")
-    >>> structures = [dimensionless_oscillator(0.9)]
+    >>> structures = [dimensionless_oscillator(eta=0.9)]
     >>> write_spectrum(structures, sine(), grid, "shared.h5", workers=1).cells
     2000
     """

@@ -108,7 +108,7 @@ def fields_in(row: Mapping[str, Any]) -> dict[str, Any]:
     return {name: row[key] for key, name in _FIELDS.items()}
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, kw_only=True)
 class RockingParameters(Shown):
     """The parameters of a rocking structure (sections 2 to 4 of the paper).
 
@@ -283,8 +283,8 @@ class RockingParameters(Shown):
         sides = () if numbers_of(left) == numbers_of(right) else (left, right)
         weaker = weaker_side((left, right))
         return cls(
-            name,
-            structure,
+            name=name,
+            structure=structure,
             **fields_in(numbers_of(weaker)),
             sides=sides,
             arm=weaker.arm,
@@ -346,7 +346,12 @@ class RockingParameters(Shown):
         details = {key: row[key] for key in (*VARIED, "restrained") if key in row}
         more["labels"] = row.get("labels", {})
         return cls(
-            row["name"], kind, **fields_in(row), sides=sides, details=details, **more
+            name=row["name"],
+            structure=kind,
+            **fields_in(row),
+            sides=sides,
+            details=details,
+            **more,
         )
 
     @property
@@ -485,7 +490,7 @@ def weaker_side(sides: Sequence[Side]) -> Side:
     return min(sides, key=lambda side: side.uplift)
 
 
-def dimensionless_oscillator(eta: float) -> RockingParameters:
+def dimensionless_oscillator(*, eta: float) -> RockingParameters:
     """Return the oscillator of a dimensionless spectrum.
 
     Its p, alpha, lambda, a_scale and gravity are 1, so a_g = A and omega_g = Omega. One
@@ -508,10 +513,18 @@ def dimensionless_oscillator(eta: float) -> RockingParameters:
 
     Examples
     --------
-    >>> oscillator = dimensionless_oscillator(0.9)
+    >>> oscillator = dimensionless_oscillator(eta=0.9)
     >>> oscillator.p, oscillator.alpha, oscillator.eta
     (1.0, 1.0, 0.9)
     """
     return RockingParameters(
-        f"eta={eta:g}", DIMENSIONLESS, 1.0, 1.0, eta, 1.0, 1.0, "given", 1.0
+        name=f"eta={eta:g}",
+        structure=DIMENSIONLESS,
+        p=1.0,
+        alpha=1.0,
+        eta=eta,
+        uplift=1.0,
+        a_scale=1.0,
+        eta_source="given",
+        gravity=1.0,
     )

@@ -471,14 +471,14 @@ def of_many() -> Scenes:
         rk.pulse("rectangular"),
     ):
         found[f"envelope, {motion.name}"] = partial(
-            traced, body(0.9), motion, pushes, method=LINEAR, a_max=12.0
+            traced, body(eta=0.9), motion, pushes, method=LINEAR, a_max=12.0
         )
     for name, eta, omegas, a_max in (
         ("fine", 0.8, np.linspace(0.4, 8.0, 60), 20.0),
         ("lossless", 1.0, np.linspace(0.5, 8.0, 20), 10.0),
     ):
         found[f"envelope, {name}"] = partial(
-            traced, body(eta), rk.sine(), omegas, a_max=a_max, method=LINEAR
+            traced, body(eta=eta), rk.sine(), omegas, a_max=a_max, method=LINEAR
         )
     for name, of, places, more in (
         ("nonlinear", "block", [2.0, 4.0, 7.0], {"method": NONLINEAR, "a_max": 10.0}),

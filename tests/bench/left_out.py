@@ -48,7 +48,7 @@ def structures(apart):
     """A spectrum of ten structures whose restitutions are so far apart."""
     return partial(
         spectrum,
-        [dimensionless_oscillator(scenes.ETA - apart * i) for i in range(10)],
+        [dimensionless_oscillator(eta=scenes.ETA - apart * i) for i in range(10)],
         sine(),
         GRID,
         workers=1,

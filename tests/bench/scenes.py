@@ -46,7 +46,15 @@ LEFT, RIGHT = (
     Side("left", 2.0, 0.2, math.tan(0.2), 1.0, ETA),
     Side("right", 2.1, 0.22, math.tan(0.22), 1.0, ETA),
 )
-PLAIN = RockingParameters("symmetric", "block", 2.0, 0.2, ETA, math.tan(0.2), 1.0)
+PLAIN = RockingParameters(
+    name="symmetric",
+    structure="block",
+    p=2.0,
+    alpha=0.2,
+    eta=ETA,
+    uplift=math.tan(0.2),
+    a_scale=1.0,
+)
 BODIES = {
     "unequal": RockingParameters.of_sides("unequal", "prism", LEFT, RIGHT),
     "one-sided": replace(PLAIN, eta=-0.45, one_sided=True),
@@ -136,7 +144,7 @@ def shaken(system: System, finer: int = 1, longer: int = 1, values: int = 200) -
 def envelope(motion: Motion, frequencies: int, workers: int | None = None) -> int:
     """Every boundary up to A = 20; the count is that of the frequencies."""
     trace_envelope(
-        dimensionless_oscillator(ETA), motion, axis(frequencies), workers=workers
+        dimensionless_oscillator(eta=ETA), motion, axis(frequencies), workers=workers
     )
     return frequencies
 
@@ -157,7 +165,7 @@ def file(values: int, workers: int = 1, scheduler: str | None = None) -> int:
     grid = parse_grid(f"A=0.5:12:{values},Omega=0.5:12:{values}")
     with tempfile.TemporaryDirectory() as folder:
         write_spectrum(
-            [dimensionless_oscillator(ETA)],
+            [dimensionless_oscillator(eta=ETA)],
             sine(),
             grid,
             Path(folder) / "scene.h5",

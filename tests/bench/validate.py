@@ -74,7 +74,7 @@ def envelopes(name: str) -> tuple[int, float]:
     worst = 0.0
     for omega in OMEGAS:
         found = trace_envelope(
-            dimensionless_oscillator(0.9), pulse(name), [omega], a_max=100.0
+            dimensionless_oscillator(eta=0.9), pulse(name), [omega], a_max=100.0
         )
         mine = next(i.a_from for i in found if i.mode == "no_impact")
         worst = max(worst, abs(mine / overturns_without_impact(name, omega) - 1.0))

@@ -73,7 +73,7 @@ def test_a_file_without_a_command_says_so(rocking, spectrum_file):
 
 
 def test_names_do_not_steer_the_terminal(rocking, tmp_path):
-    structure = replace(dimensionless_oscillator(0.9), name="a\x1b[31mb")
+    structure = replace(dimensionless_oscillator(eta=0.9), name="a\x1b[31mb")
     write_spectrum(
         [structure], sine(), parse_grid("A=1:2:3,Omega=1:2:3"), tmp_path / "s\x1b[2J.h5"
     )

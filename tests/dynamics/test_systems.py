@@ -111,9 +111,24 @@ def test_a_body_answers_as_an_independent_integration(
 
 def test_a_one_sided_body_rocks_like_a_free_one_up_to_its_first_impact():
     """Its backing plays no part before, and afterwards it never passes it."""
-    free = RockingParameters("wall", "block", 1.35, 0.149, 0.9, math.tan(0.149), 1.0)
+    free = RockingParameters(
+        name="wall",
+        structure="block",
+        p=1.35,
+        alpha=0.149,
+        eta=0.9,
+        uplift=math.tan(0.149),
+        a_scale=1.0,
+    )
     wall = RockingParameters(
-        "wall", "block", 1.35, 0.149, -0.43667308, math.tan(0.149), 1.0, one_sided=True
+        name="wall",
+        structure="block",
+        p=1.35,
+        alpha=0.149,
+        eta=-0.43667308,
+        uplift=math.tan(0.149),
+        a_scale=1.0,
+        one_sided=True,
     )
     for model in ("linear", "nonlinear"):
         both, one = (

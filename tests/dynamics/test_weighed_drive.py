@@ -53,7 +53,15 @@ def test_a_rectangular_impulse_on_ground_that_sways_upwards(model):
 
 
 def block(alpha=0.2, eta=0.9):
-    return RockingParameters("b", "block", 2.0, alpha, eta, math.tan(alpha), 1.0)
+    return RockingParameters(
+        name="b",
+        structure="block",
+        p=2.0,
+        alpha=alpha,
+        eta=eta,
+        uplift=math.tan(alpha),
+        a_scale=1.0,
+    )
 
 
 def test_free_fall_is_an_outcome_of_its_own_at_its_instant():
@@ -163,13 +171,13 @@ def test_the_ground_falls_away_from_a_body_that_is_pushed_against_its_wall(
     model, lifts, falls, at
 ):
     body = RockingParameters(
-        "b",
-        "block",
-        2.0,
-        0.2,
-        -0.3,
-        math.tan(0.2),
-        1.0,
+        name="b",
+        structure="block",
+        p=2.0,
+        alpha=0.2,
+        eta=-0.3,
+        uplift=math.tan(0.2),
+        a_scale=1.0,
         one_sided=True,
         arm=0.75 * 9.81 / 4.0,
     )

@@ -181,7 +181,7 @@ def test_where_changes_have_no_end_only_those_that_the_scan_sees_are_traced(
 ):
     def traced() -> list:
         return trace_envelope(
-            dimensionless_oscillator(0.9), sine(3), [1.0], a_max=1.12, workers=1
+            dimensionless_oscillator(eta=0.9), sine(3), [1.0], a_max=1.12, workers=1
         )
 
     every = traced()
@@ -234,7 +234,7 @@ def test_no_interval_wider_than_1e_4_is_missed_under_several_cycles(
     raster[raster == Outcome.NO_UPLIFT] = Outcome.ROCKED
     traced = np.full(amplitude.size, Outcome.ROCKED, dtype=np.uint8)
     for i in trace_envelope(
-        dimensionless_oscillator(eta), motion, [omega], a_max=a_max, workers=1
+        dimensionless_oscillator(eta=eta), motion, [omega], a_max=a_max, workers=1
     ):
         inside = slice(
             *np.searchsorted(amplitude, [i.a_from, a_max if i.a_to is None else i.a_to])

@@ -32,7 +32,7 @@ BLOCK = build_structure(
 @pytest.mark.parametrize(
     ("structure", "method", "edges"),
     [
-        (dimensionless_oscillator(0.9), LINEAR, (3.01860, 6.31807, 7.16813)),
+        (dimensionless_oscillator(eta=0.9), LINEAR, (3.01860, 6.31807, 7.16813)),
         (BLOCK, Method("nonlinear"), (3.03234, 6.74302, 7.49300)),
     ],
     ids=["linear", "nonlinear"],
@@ -56,13 +56,15 @@ def test_reference_values_at_omega_5(structure, method, edges):
 
 def test_a_demand_on_either_side_of_a_boundary_is_told_apart_to_the_last_digits():
     edge = (
-        CapacitySearch(dimensionless_oscillator(0.9), sine(), 2.0, 5.0, LINEAR, 20.0)
+        CapacitySearch(
+            dimensionless_oscillator(eta=0.9), sine(), 2.0, 5.0, LINEAR, 20.0
+        )
         .capacity()
         .first
     )
     below, above = (
         CapacitySearch(
-            dimensionless_oscillator(0.9),
+            dimensionless_oscillator(eta=0.9),
             sine(),
             edge * (1.0 + s * 1e-14),
             5.0,
@@ -81,7 +83,7 @@ def test_rectangular_pulse():
     """A = 1/(1 - exp(-p t_d)), with Omega = 2 pi / (p t_d)."""
     for duration, first in ((0.5, 2.54149), (1.0, 1.58198), (2.0, 1.15652)):
         found = CapacitySearch(
-            dimensionless_oscillator(0.0),
+            dimensionless_oscillator(eta=0.0),
             pulse("rectangular"),
             1.05,
             2.0 * np.pi / duration,
@@ -93,11 +95,11 @@ def test_rectangular_pulse():
 
 def test_nothing_overturns_up_to_the_limit():
     found = CapacitySearch(
-        dimensionless_oscillator(0.9), sine(), 1.5, 30.0, LINEAR, 5.0
+        dimensionless_oscillator(eta=0.9), sine(), 1.5, 30.0, LINEAR, 5.0
     ).capacity()
     assert (found.first, found.safe_to, found.uplift) == (None, None, 1.0)
     assert (
-        CapacitySearch(dimensionless_oscillator(0.9), sine(), 0.1, 5.0, LINEAR, 0.5)
+        CapacitySearch(dimensionless_oscillator(eta=0.9), sine(), 0.1, 5.0, LINEAR, 0.5)
         .capacity()
         .first
         is None
@@ -127,7 +129,7 @@ def test_a_body_against_its_backing_is_not_lifted_by_a_push_inwards():
 def test_a_demand_beyond_the_scan_is_refused(demand):
     with pytest.raises(UsageError, match="expected up to 100000"):
         CapacitySearch(
-            dimensionless_oscillator(0.9), sine(), demand, 5.0, LINEAR, 20.0
+            dimensionless_oscillator(eta=0.9), sine(), demand, 5.0, LINEAR, 20.0
         ).capacity()
 
 
@@ -210,7 +212,7 @@ def test_the_lowest_fall_under_a_record_is_cut_to_its_last_digits():
 def test_a_scan_leads_to_the_fall_that_the_march_finds(dt, seed):
     motion, oscillator = (
         motion_of_samples(noise(int(15.0 / dt), dt, seed), dt),
-        dimensionless_oscillator(0.9),
+        dimensionless_oscillator(eta=0.9),
     )
     system = LINEAR.system_of(oscillator)
     march = FallSearch.of(system, motion, 0.4, 0.9, 1e-6)

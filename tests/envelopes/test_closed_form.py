@@ -23,7 +23,9 @@ from rocking_cli.envelopes.closed_form import no_impact_amplitude, peak_after_im
 )
 def test_traced_and_closed_form_agree_to_1e_10(eta):
     omegas = np.linspace(1.0, 8.0, 11)
-    traced = trace_envelope(dimensionless_oscillator(eta), sine(), omegas, a_max=20.0)
+    traced = trace_envelope(
+        dimensionless_oscillator(eta=eta), sine(), omegas, a_max=20.0
+    )
     compared = 0
     for point in closed_form_curves(omegas, eta):
         if point.curve == "initiation" or point.amplitude >= 20.0:
@@ -46,7 +48,7 @@ def test_half_sine_closed_form():
     traced = [
         i
         for i in trace_envelope(
-            dimensionless_oscillator(0.9), sine(0.5), omegas, a_max=30
+            dimensionless_oscillator(eta=0.9), sine(0.5), omegas, a_max=30
         )
         if i.mode == "no_impact"
     ]

@@ -32,7 +32,7 @@ from rocking_cli.reports.remarks import misjudged_in_words
 @pytest.mark.parametrize(
     ("structure", "model", "rows"),
     [
-        (dimensionless_oscillator(0.9), "linear", INTERVALS),
+        (dimensionless_oscillator(eta=0.9), "linear", INTERVALS),
         (
             built("kind: block\nradius: 1.6065814 m\nalpha: 0.25\nrestitution: 0.9"),
             "nonlinear",
@@ -58,7 +58,9 @@ def test_traced_intervals_are_those_of_the_reference_tables(structure, model, ro
 def test_every_interval_of_a_fine_raster_is_traced():
     omega, amplitude = 0.4983, np.linspace(1, 1.2, 20_001)
     outcome = linear_response(sine(), amplitude, omega, 0.9).outcome
-    traced = trace_envelope(dimensionless_oscillator(0.9), sine(), [omega], a_max=1.2)
+    traced = trace_envelope(
+        dimensionless_oscillator(eta=0.9), sine(), [omega], a_max=1.2
+    )
     inside = np.zeros(amplitude.size, dtype=bool)
     for i in traced:
         inside |= (amplitude > i.a_from) & (amplitude < (i.a_to or np.inf))
@@ -70,7 +72,7 @@ def test_every_interval_of_a_fine_raster_is_traced():
 
 def test_boundaries_are_where_the_outcome_changes():
     for i in trace_envelope(
-        dimensionless_oscillator(0.8), cosine(1), [2.0, 4.0], a_max=10
+        dimensionless_oscillator(eta=0.8), cosine(1), [2.0, 4.0], a_max=10
     ):
         for edge in (i.a_from, i.a_to):
             if edge is not None:
@@ -82,13 +84,13 @@ def test_boundaries_are_where_the_outcome_changes():
 
 def test_no_worker_is_refused():
     with pytest.raises(UsageError, match="`workers`: found 0"):
-        trace_envelope(dimensionless_oscillator(0.9), sine(), [2.0], workers=0)
+        trace_envelope(dimensionless_oscillator(eta=0.9), sine(), [2.0], workers=0)
 
 
 @pytest.mark.parametrize("a_max", [1.0, 0.0, -3.0, np.nan, np.inf, 1e9])
 def test_a_max_must_make_sense(a_max):
     with pytest.raises(UsageError, match="a-max"):
-        trace_envelope(dimensionless_oscillator(0.9), sine(), [2.0], a_max=a_max)
+        trace_envelope(dimensionless_oscillator(eta=0.9), sine(), [2.0], a_max=a_max)
 
 
 def test_a_column_against_discrete_elements():
@@ -153,7 +155,7 @@ def test_the_worse_sign_lists_what_overturns_under_either(structure, model):
 
 
 def test_signs_of_a_symmetric_body_are_alike_and_unknown_ones_refused():
-    block = dimensionless_oscillator(0.9)
+    block = dimensionless_oscillator(eta=0.9)
     assert trace_envelope(block, sine(), [4.0], sign="-") == trace_envelope(
         block, sine(), [4.0]
     )
@@ -194,7 +196,14 @@ def test_a_body_that_leaves_the_ground_has_an_interval_of_its_own():
     omega, body = (
         8.0,
         RockingParameters(
-            "m", "point_mass", 2.0, 1.0, 0.9, math.tan(1.0), 1.0, arm=9.81 / 4.0
+            name="m",
+            structure="point_mass",
+            p=2.0,
+            alpha=1.0,
+            eta=0.9,
+            uplift=math.tan(1.0),
+            a_scale=1.0,
+            arm=9.81 / 4.0,
         ),
     )
     lost, *falls = trace_envelope(body, pulse("rectangular"), [omega], a_max=6.0)

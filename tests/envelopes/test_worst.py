@@ -25,7 +25,7 @@ def test_a_minimum_inside_the_range_is_found_between_the_points_of_the_scan():
     """The tongue of two cycles of a cosine ends at Omega = 3.03; its lowest point is
     near 3.015. Nothing on the raster falls below it.
     """
-    oscillator, motion = dimensionless_oscillator(0.7), pulse("cosine", cycles=2)
+    oscillator, motion = dimensionless_oscillator(eta=0.7), pulse("cosine", cycles=2)
     low, high = (parse_grid(f"A=3.5,Omega={omega}") for omega in (2.85, 3.1))
     grid = at_worst_frequency(oscillator, motion, low, high, 4.0).grid
     omega = float(grid.frequency.values[0])
@@ -53,7 +53,7 @@ def test_outcomes_alone_find_the_tongue_between_the_points_of_their_scan(demand,
     """At the points of the scan, 3.0, 3.04 and 3.08, the body stands under both
     demands.
     """
-    oscillator, motion = dimensionless_oscillator(0.7), pulse("cosine", cycles=2)
+    oscillator, motion = dimensionless_oscillator(eta=0.7), pulse("cosine", cycles=2)
     low, high = (parse_grid(f"A={demand},Omega={omega}") for omega in (3.0, 3.08))
     scan = linear_response(motion, demand, np.geomspace(3.0, 3.08, 3), 0.7)
     assert not overturned(scan.outcome).any()

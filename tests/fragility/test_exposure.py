@@ -212,7 +212,14 @@ def test_shares_step_where_intervals_begin_and_end():
 
 def test_what_leaves_the_ground_passes_every_limit():
     body = RockingParameters(
-        "m", "point_mass", 2.0, 1.0, 0.9, float(np.tan(1.0)), 1.0, arm=9.81 / 4.0
+        name="m",
+        structure="point_mass",
+        p=2.0,
+        alpha=1.0,
+        eta=0.9,
+        uplift=float(np.tan(1.0)),
+        a_scale=1.0,
+        arm=9.81 / 4.0,
     )
     motions = MotionSet(
         [pulsed(pulse("rectangular"), 1.0, 16.0)],

@@ -104,7 +104,15 @@ def test_intervals_count_between_their_ends_up_to_the_highest_level():
 
 
 def study(samples=200):
-    body = RockingParameters("m", "parameters", 2.6, 0.245, 0.9, 0.245, 1.0)
+    body = RockingParameters(
+        name="m",
+        structure="parameters",
+        p=2.6,
+        alpha=0.245,
+        eta=0.9,
+        uplift=0.245,
+        a_scale=1.0,
+    )
     weights = {
         0.7: 0.6,
         0.8: 1.4,

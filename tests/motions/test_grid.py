@@ -90,7 +90,7 @@ def test_a_motion_with_a_time_of_its_own_has_one_axis():
 @pytest.mark.parametrize("axes", ["a_g=5,f_g=1e10", "A=2,Omega=1.1e10"])
 def test_frequencies_at_which_nothing_is_left_of_the_motion_are_refused(axes):
     body = (
-        dimensionless_oscillator(0.9)
+        dimensionless_oscillator(eta=0.9)
         if "Omega" in axes
         else built("kind: block\nwidth: 0.5\nheight: 2")
     )
@@ -127,7 +127,7 @@ def test_every_public_function_of_one_demand_refuses_a_grid_of_several_cells(tmp
     }
     assert {"check", "time_history", "compare", "code_check", "report"} <= asked.keys()
     rocking_cli.write_spectrum(
-        [dimensionless_oscillator(0.9)],
+        [dimensionless_oscillator(eta=0.9)],
         motion,
         parse_grid("A=1:4:5,Omega=1:8:5"),
         tmp_path / "s.h5",
@@ -146,7 +146,9 @@ def test_every_public_function_of_one_demand_refuses_a_grid_of_several_cells(tmp
             else ("a_g=0.3g,f_g=0.5:5:3", "a_g=0.2g:0.3g:2,f_g=1")
         ):
             mine = given | (
-                {"structure": dimensionless_oscillator(0.9)} if dimensionless else {}
+                {"structure": dimensionless_oscillator(eta=0.9)}
+                if dimensionless
+                else {}
             )
             arguments = {key: mine[key] for key in wanted if key != "shaking"}
             with pytest.raises(

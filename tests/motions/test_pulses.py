@@ -80,7 +80,7 @@ def test_rectangular_pulse_overturns_where_its_closed_form_says():
         [0.5, 1.0, 2.0]
     )  # p t_d, for which A = 1/(1 - exp(-p t_d)) = 2.54149, 1.58198, 1.15652
     traced = trace_envelope(
-        dimensionless_oscillator(0.5),
+        dimensionless_oscillator(eta=0.5),
         pulse("rectangular"),
         2 * math.pi / lasting,
         a_max=5,

@@ -22,7 +22,15 @@ STILL = 80  # impacts after the shaking that are followed at most
 def pendulum(eta: float = 0.9, **more: Any) -> RockingParameters:
     """A point mass on wide feet: kappa = 1, alpha = 1."""
     return RockingParameters(
-        "m", "point_mass", 2.0, 1.0, eta, math.tan(1.0), 1.0, arm=9.81 / 4.0, **more
+        name="m",
+        structure="point_mass",
+        p=2.0,
+        alpha=1.0,
+        eta=eta,
+        uplift=math.tan(1.0),
+        a_scale=1.0,
+        arm=9.81 / 4.0,
+        **more,
     )
 
 

@@ -33,7 +33,15 @@ def test_a_block_500_wide_is_said_to_be_large():
     ):  # p^2 is no double
         assert said in next(
             structure_remarks(
-                RockingParameters("Column", "block", p, 0.2, 0.9, 0.2, 1.0)
+                RockingParameters(
+                    name="Column",
+                    structure="block",
+                    p=p,
+                    alpha=0.2,
+                    eta=0.9,
+                    uplift=0.2,
+                    a_scale=1.0,
+                )
             )
         )
 

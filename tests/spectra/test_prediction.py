@@ -33,7 +33,7 @@ def fate(motion, amplitude, omega, eta):
 def three_cycles(tmp_path_factory):
     path = tmp_path_factory.mktemp("spectra") / "three.h5"
     write_spectrum(
-        [dimensionless_oscillator(0.8)],
+        [dimensionless_oscillator(eta=0.8)],
         sine(3),
         parse_grid("A=1:8:8,Omega=1:8:8"),
         path,
@@ -48,7 +48,9 @@ def test_a_narrow_tongue_between_the_rows_of_the_spectrum_bounds_the_margin(
     three_cycles,
 ):
     amplitude, omega = 1.068082535563618, 2.656147572117443
-    found = predict(dimensionless_oscillator(0.8), three_cycles, cell(amplitude, omega))
+    found = predict(
+        dimensionless_oscillator(eta=0.8), three_cycles, cell(amplitude, omega)
+    )
     assert (found["outcome"], found["margin_side"]) == ("rocked", "above")
     raster = np.arange(amplitude, amplitude * (1.0 + found["margin"]) + 1e-4, 4e-5)
     first = raster[fate(sine(3), raster, omega, 0.8).argmax()]
@@ -62,7 +64,7 @@ def test_a_demand_beyond_the_scan_is_refused_by_its_own_name():
     with pytest.raises(
         UsageError, match=r"^eta=0.8: found A = 60000; expected up to 50000$"
     ):
-        predict_exactly(dimensionless_oscillator(0.8), sine(1), cell(6e4, 2.0))
+        predict_exactly(dimensionless_oscillator(eta=0.8), sine(1), cell(6e4, 2.0))
 
 
 @pytest.mark.slow
@@ -72,7 +74,7 @@ def test_the_fate_is_one_within_the_margin_and_another_beyond(three_cycles):
     for _ in range(2):
         amplitude, omega = float(random.uniform(1, 5)), float(random.uniform(4, 6))
         found = predict(
-            dimensionless_oscillator(0.8), three_cycles, cell(amplitude, omega)
+            dimensionless_oscillator(eta=0.8), three_cycles, cell(amplitude, omega)
         )
         if found["margin"] is None:
             continue
@@ -104,7 +106,7 @@ def test_capacity_is_that_of_the_closed_form():
     first, last = points["after_impact_lower"], points["after_impact_upper"]
     for amplitude in (1.5, 0.5 * (first + last)):
         found = predict_exactly(
-            dimensionless_oscillator(0.9), sine(), cell(amplitude, 3.0)
+            dimensionless_oscillator(eta=0.9), sine(), cell(amplitude, 3.0)
         )
         assert found["capacity_demand"] == pytest.approx(
             first / amplitude, rel=1e-10, abs=0
@@ -117,7 +119,7 @@ def test_two_ways_to_fall_that_meet_are_no_boundary():
     margin reaches over that point.
     """
     found = predict_exactly(
-        dimensionless_oscillator(1.0), pulse("rectangular"), cell(3.0, 2.0)
+        dimensionless_oscillator(eta=1.0), pulse("rectangular"), cell(3.0, 2.0)
     )
     assert found["margin_side"] == "below"
     edge = 3.0 * (1.0 - found["margin"])
@@ -129,7 +131,7 @@ def test_two_ways_to_fall_that_meet_are_no_boundary():
 
 @pytest.mark.slow
 def test_a_cell_that_the_spectrum_knows_is_interpolated_exactly(three_cycles):
-    found = predict(dimensionless_oscillator(0.8), three_cycles, cell(2.0, 7.0))
+    found = predict(dimensionless_oscillator(eta=0.8), three_cycles, cell(2.0, 7.0))
     assert found["interpolation_error"] == 0.0
 
 

@@ -275,7 +275,7 @@ def test_bad_scenes_are_refused():
     for arguments, words in (
         (([], RECORDS), "no structure"),
         (([BLOCK], []), "no record"),
-        (([dimensionless_oscillator(0.9)], RECORDS), "has no units"),
+        (([dimensionless_oscillator(eta=0.9)], RECORDS), "has no units"),
         (([BLOCK], RECORDS, PERIODS), "with structures, which have their own size"),
     ):
         with pytest.raises(UsageError, match=words):

@@ -26,7 +26,7 @@ from rocking_cli.spectra import sweep
 from rocking_cli.spectra.sweep import write_spectrum
 
 GRID = parse_grid("A=0.5:9:53,Omega=0.5:12:37")
-TWO = [dimensionless_oscillator(0.9), dimensionless_oscillator(0.6)]
+TWO = [dimensionless_oscillator(eta=0.9), dimensionless_oscillator(eta=0.6)]
 
 
 def read(path):
@@ -172,7 +172,14 @@ def test_structures_share_rotations_but_not_where_they_leave_the_ground(tmp_path
     """
     masses = [
         RockingParameters(
-            f"{a}", "point_mass", 2.0, a, 0.9, math.tan(a), 1.0, arm=9.81 / 4.0
+            name=f"{a}",
+            structure="point_mass",
+            p=2.0,
+            alpha=a,
+            eta=0.9,
+            uplift=math.tan(a),
+            a_scale=1.0,
+            arm=9.81 / 4.0,
         )
         for a in (0.2, 1.0)
     ]

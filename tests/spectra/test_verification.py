@@ -39,7 +39,7 @@ from rocking_cli.spectra.verification import (
 from rocking_cli.spectra.work.jobs import Job, local_crew, unit_reports
 
 GRID = parse_grid("A=0.5:4:60,Omega=0.5:6:50")
-OSCILLATORS = (dimensionless_oscillator(0.5), dimensionless_oscillator(0.9))
+OSCILLATORS = (dimensionless_oscillator(eta=0.5), dimensionless_oscillator(eta=0.9))
 
 
 def checked(scene, check, chunk=None, units=None, workers=1):
@@ -206,7 +206,9 @@ def test_condition_under_a_rectangular_pulse_is_its_derivative():
 
 
 def test_condition_is_none_beside_overturning_and_nothing_below_uplift():
-    first, *_ = trace_envelope(dimensionless_oscillator(0.9), sine(), [3.0], a_max=10)
+    first, *_ = trace_envelope(
+        dimensionless_oscillator(eta=0.9), sine(), [3.0], a_max=10
+    )
     amplitude = np.array(
         [0.9, first.a_from * (1 - 1e-9), first.a_from * (1 - 1e-3), first.a_from * 1.01]
     )
@@ -280,7 +282,7 @@ def test_the_largest_error_seen_is_its_condition():
 def test_condition_is_computed_on_request():
     grid, structures = (
         parse_grid("A=0.5:3:6,Omega=4:8:5"),
-        [dimensionless_oscillator(0.9), dimensionless_oscillator(0.5)],
+        [dimensionless_oscillator(eta=0.9), dimensionless_oscillator(eta=0.5)],
     )
     assert spectrum(structures, sine(), grid).condition is None
     computed = linear_response(
@@ -328,7 +330,9 @@ def test_cells_beside_boundaries_are_looked_at_more_than_others():
 
 
 def test_nothing_is_said_where_the_nonlinear_equation_is_not_known_or_already_decides():
-    assert validity(PulseScene((dimensionless_oscillator(0.9),), FINE, sine())) is None
+    assert (
+        validity(PulseScene((dimensionless_oscillator(eta=0.9),), FINE, sine())) is None
+    )
     assert (
         validity(PulseScene((block(0.5),), FINE, sine(), Method("nonlinear"))) is None
     )
@@ -339,7 +343,7 @@ def test_nothing_is_said_where_the_nonlinear_equation_is_not_known_or_already_de
         is None
     )
     mixed = validity(
-        PulseScene((dimensionless_oscillator(0.9), block(0.5)), FINE, sine())
+        PulseScene((dimensionless_oscillator(eta=0.9), block(0.5)), FINE, sine())
     )
     assert mixed == validity(PulseScene((block(0.5),), FINE, sine()))
 

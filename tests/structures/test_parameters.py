@@ -15,7 +15,9 @@ LEFT = Side("left", 2.1, 0.3, 0.31, 1.0, 0.8)
 RIGHT = Side("right", 1.9, 0.2, 0.21, 1.0, 0.9)
 TWO = RockingParameters.of_sides("Statue", "rigid", LEFT, RIGHT)
 STATUE = "kind: rigid\nleft: 0.42\nright: 31 cm\nheight: 1.15\ngyration: 0.68\n"
-NUMBER = RockingParameters("x", "block", 1.0, 0.2, 0.9, 0.2, 1.0)
+NUMBER = RockingParameters(
+    name="x", structure="block", p=1.0, alpha=0.2, eta=0.9, uplift=0.2, a_scale=1.0
+)
 
 
 def test_an_unequal_body_has_the_numbers_of_the_edge_that_lifts_first():
@@ -81,7 +83,7 @@ test_numbers_that_cannot_be = refuses(
 
 
 def test_dimensionless_oscillator_scales_nothing():
-    o = dimensionless_oscillator(0.9)
+    o = dimensionless_oscillator(eta=0.9)
     assert (o.dimensionless, TWO.dimensionless) == (True, False)
     assert (o.dimensionless_amplitude(3.0), o.p, o.name) == (3.0, 1.0, "eta=0.9")
 

@@ -129,13 +129,13 @@ def random_body(
     one_sided = "one-sided" in kind
     eta = -eta if one_sided else eta
     body = RockingParameters(
-        "b",
-        "block",
-        p,
-        alpha,
-        eta,
-        math.tan(alpha),
-        1.0,
+        name="b",
+        structure="block",
+        p=p,
+        alpha=alpha,
+        eta=eta,
+        uplift=math.tan(alpha),
+        a_scale=1.0,
         arm=arm,
         one_sided=one_sided,
         damping=zeta,

@@ -60,7 +60,15 @@ def reference(
     alpha [rad], by the package's slower path.
     """
     angle = alpha or 0.1
-    body = RockingParameters("body", "block", 1.0, angle, eta, math.tan(angle), 1.0)
+    body = RockingParameters(
+        name="body",
+        structure="block",
+        p=1.0,
+        alpha=angle,
+        eta=eta,
+        uplift=math.tan(angle),
+        a_scale=1.0,
+    )
     return Method("nonlinear" if alpha else "linear").reference_of(body)(
         motion, amplitude, omega, eta
     )

@@ -92,7 +92,9 @@ def _plot_separatrix(
     dimensionless body of the linear equation.
     """
     structure = (
-        dimensionless_oscillator(1.0) if document is None else build_structure(document)
+        dimensionless_oscillator(eta=1.0)
+        if document is None
+        else build_structure(document)
     )
     for i, (x, y) in enumerate(separatrix(structure, method, reach)):
         # With damping the branches have no mirror image.

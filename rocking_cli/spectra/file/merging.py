@@ -79,7 +79,7 @@ def merge(
     >>> grid = parse_grid("A=1:8:50,Omega=1:8:40")
     >>> for i in (1, 2):
     ...     _ = write_spectrum(
-    ...         [dimensionless_oscillator(0.9)], sine(), grid, f"{i}.h5",
+    ...         [dimensionless_oscillator(eta=0.9)], sine(), grid, f"{i}.h5",
     ...         workers=1, chunk_cells=500, shard=(i, 2),
     ...     )
     >>> merge(["1.h5", "2.h5"], "whole.h5").all_chunks

@@ -79,7 +79,7 @@ class SpectraFile(ExitStack[None]):
     Examples
     --------
     >>> grid = parse_grid("A=1:3:3,Omega=2:4:2")
-    >>> structures = [dimensionless_oscillator(0.9)]
+    >>> structures = [dimensionless_oscillator(eta=0.9)]
     >>> _ = write_spectrum(structures, sine(), grid, "s.h5", workers=1)
     >>> with SpectraFile("s.h5") as file:
     ...     print(file.complete, file.array("outcome").shape)

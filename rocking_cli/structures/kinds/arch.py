@@ -80,17 +80,14 @@ def build(document: Document, name: str) -> RockingParameters:
     }
     if document.has("hinges"):
         details["lambda_governing"] = governing
-    numbers = (
-        math.sqrt(gravity * found.stiffness),
-        found.alpha,
-        eta,
-        found.uplift,
-        found.a_scale,
-    )
     return RockingParameters(
-        name,
-        "arch",
-        *numbers,
+        name=name,
+        structure="arch",
+        p=math.sqrt(gravity * found.stiffness),
+        alpha=found.alpha,
+        eta=eta,
+        uplift=found.uplift,
+        a_scale=found.a_scale,
         eta_source=source,
         gravity=gravity,
         details=details,

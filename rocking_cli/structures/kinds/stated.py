@@ -67,7 +67,7 @@ def _free(document: Document, name: str) -> RockingParameters:
     if not document.has("sides"):
         numbers = _numbers(document, more["gravity"], one_sided)
         return RockingParameters(
-            name, structure, **numbers, one_sided=one_sided, **more
+            name=name, structure=structure, **numbers, one_sided=one_sided, **more
         )
     if one_sided:
         raise document.fault(

@@ -124,8 +124,8 @@ class PlanarMechanism:
         }
         if self.left is None:
             return RockingParameters(
-                name,
-                structure,
+                name=name,
+                structure=structure,
                 **found[1.0],
                 one_sided=True,
                 mechanism=carriers[1.0],

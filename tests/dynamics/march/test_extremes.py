@@ -103,7 +103,7 @@ def test_slow_pulses_are_statics_and_fast_ones_are_impulses():
     (found,) = [
         i
         for i in trace_envelope(
-            dimensionless_oscillator(0.5), pulse("half-sine"), [omega], a_max=6000
+            dimensionless_oscillator(eta=0.5), pulse("half-sine"), [omega], a_max=6000
         )
         if i.mode == "no_impact"
     ]
@@ -217,7 +217,7 @@ def test_a_hundred_thousand_impacts_end_in_an_outcome(monkeypatch):
 @pytest.mark.parametrize("omega", [2.0, 5.0])
 def test_cells_next_to_a_boundary_have_an_outcome_and_its_rotation(omega):
     for interval in trace_envelope(
-        dimensionless_oscillator(0.9), sine(), [omega], a_max=10
+        dimensionless_oscillator(eta=0.9), sine(), [omega], a_max=10
     ):
         for edge in (a for a in (interval.a_from, interval.a_to) if a is not None):
             assert_decided(
@@ -277,7 +277,7 @@ def test_frequency_parameters_from_1e_3_to_1e3(p):
         [structure], sine(), parse_grid(f"a_g=1:12:12,omega_g={0.5 * p}:{8 * p}:9")
     )
     again = spectrum(
-        [dimensionless_oscillator(0.9)],
+        [dimensionless_oscillator(eta=0.9)],
         sine(),
         parse_grid(f"A={1 / 1.962}:{12 / 1.962}:12,Omega=0.5:8:9"),
     )

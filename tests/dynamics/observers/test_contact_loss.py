@@ -172,13 +172,13 @@ def test_a_damped_body_may_lose_it_at_the_end_of_the_shaking_and_later(
     shares no code.
     """
     body = RockingParameters(
-        "b",
-        "block",
-        1.0,
-        alpha,
-        eta,
-        math.tan(alpha),
-        1.0,
+        name="b",
+        structure="block",
+        p=1.0,
+        alpha=alpha,
+        eta=eta,
+        uplift=math.tan(alpha),
+        a_scale=1.0,
         arm=0.75 * 9.81,
         one_sided=eta < 0.0,
         damping=zeta,
@@ -198,7 +198,14 @@ def test_a_body_that_an_impact_leaves_no_speed_does_not_bounce():
     g; the least and |Fx|/Fz are of that integration.
     """
     body = RockingParameters(
-        "b", "block", 1.0, 1.15, 0.0, math.tan(1.15), 1.0, arm=0.9 * 9.81
+        name="b",
+        structure="block",
+        p=1.0,
+        alpha=1.15,
+        eta=0.0,
+        uplift=math.tan(1.15),
+        a_scale=1.0,
+        arm=0.9 * 9.81,
     )
     assert (
         int(response(Method().system_of(body), sine(1), 1.1, 4.0, 0.0).outcome)
@@ -216,7 +223,14 @@ def test_what_a_rotation_proves_to_press_does():
     most.
     """
     body = RockingParameters(
-        "b", "block", 1.0, 0.35, 0.9, math.tan(0.35), 1.0, arm=0.75 * 9.81
+        name="b",
+        structure="block",
+        p=1.0,
+        alpha=0.35,
+        eta=0.9,
+        uplift=math.tan(0.35),
+        a_scale=1.0,
+        arm=0.75 * 9.81,
     )
     amplitude, omega = (
         x.ravel()

@@ -173,7 +173,15 @@ def test_a_body_that_lies_on_its_side_is_not_followed():
     """
     calls = 0
     problem = Method("nonlinear").problem_of(
-        RockingParameters("b", "block", 1.0, 0.25, 0.9, math.tan(0.25), 1.0)
+        RockingParameters(
+            name="b",
+            structure="block",
+            p=1.0,
+            alpha=0.25,
+            eta=0.9,
+            uplift=math.tan(0.25),
+            a_scale=1.0,
+        )
     )
     edge = problem.edges[1]
 
@@ -213,7 +221,15 @@ def test_the_ground_falls_away_where_the_weight_is_gone():
     """Bodies that nothing lifts but the loss of their weight; of a linkage that is on
     its way down nothing is told.
     """
-    body = RockingParameters("b", "block", 2.0, 0.2, 0.9, math.tan(0.2), 1.0)
+    body = RockingParameters(
+        name="b",
+        structure="block",
+        p=2.0,
+        alpha=0.2,
+        eta=0.9,
+        uplift=math.tan(0.2),
+        a_scale=1.0,
+    )
     for model in ("linear", "nonlinear"):
         reference = Method(model).reference_of(body)
         for factor, expected in (

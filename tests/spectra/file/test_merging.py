@@ -25,7 +25,7 @@ GRID = parse_grid("A=0.5:12:40,Omega=0.5:12:30")
 
 def shard(path, part, **options):
     write_spectrum(
-        [dimensionless_oscillator(0.9)],
+        [dimensionless_oscillator(eta=0.9)],
         sine(),
         GRID,
         path,
@@ -69,7 +69,7 @@ def test_a_shard_counts_its_own_cells(tmp_path):
     options = {"workers": 1, "chunk_cells": 200, "check": 0}
     shards = [
         write_spectrum(
-            [dimensionless_oscillator(0.9)],
+            [dimensionless_oscillator(eta=0.9)],
             sine(),
             GRID,
             tmp_path / f"{i}.h5",

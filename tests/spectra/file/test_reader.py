@@ -142,7 +142,7 @@ def test_a_file_that_another_program_has_changed_is_refused(spectrum_file, tmp_p
 def test_a_variable_that_has_another_name_now_is_refused(tmp_path):
     path = tmp_path / "older.h5"
     grid = parse_grid("A=1:3:3,Omega=2:4:2")
-    bodies = [dimensionless_oscillator(0.9)]
+    bodies = [dimensionless_oscillator(eta=0.9)]
     write_spectrum(bodies, sine(), grid, path, impacts=True, workers=1)
     with h5py.File(path, "r+") as file:
         file.move("impacts_at_least", "impacts")

@@ -100,7 +100,7 @@ def judged(path: Path, before: Numbers, sealed: bool) -> str:
 
 
 def sweep(path: Path, **options):
-    structures = [dimensionless_oscillator(0.9), dimensionless_oscillator(0.7)]
+    structures = [dimensionless_oscillator(eta=0.9), dimensionless_oscillator(eta=0.7)]
     grid = parse_grid("A=0.5:12:100,Omega=0.5:12:100")
     return write_spectrum(
         structures,

@@ -40,7 +40,7 @@ from rocking_cli.spectra.sweep import SweepOptions
 from rocking_cli.spectra.work import machine
 
 GRID = parse_grid("A=0.5:12:40,Omega=0.5:12:30")
-ONE, SINE = [dimensionless_oscillator(0.9)], sine()
+ONE, SINE = [dimensionless_oscillator(eta=0.9)], sine()
 
 
 def sweep(path, structures=ONE, motion=SINE, grid=GRID, **options):
@@ -131,7 +131,7 @@ def test_a_killed_sweep_goes_on_to_the_same_file(tmp_path):
             'its motion is "sine, 1 cycle", that of this run "cosine, 1 cycle"',
         ),
         (
-            {"structures": [*ONE, dimensionless_oscillator(0.7)]},
+            {"structures": [*ONE, dimensionless_oscillator(eta=0.7)]},
             "its number of structures is 1, that of this run 2",
         ),
         ({"shard": (1, 2)}, r"s\.h5\.part: is of shard 1/1, this call computes 1/2"),

@@ -177,7 +177,7 @@ def test_a_cluster_without_workers_is_told_and_waited_for(tmp_path, monkeypatch)
 
         address = cluster.scheduler_address
         summary = write_spectrum(
-            [dimensionless_oscillator(0.9)],
+            [dimensionless_oscillator(eta=0.9)],
             sine(),
             parse_grid("A=1:2:3,Omega=1:2:3"),
             tmp_path / "s.h5",

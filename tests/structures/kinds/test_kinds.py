@@ -76,7 +76,8 @@ REPORTS = ("storeys",)
 def build(document, name):
     storeys = document.integer("storeys", 1, 99)
     return RockingParameters(
-        name, "tower", 2.0, 0.2, 0.9, 0.25, 0.8, details={"storeys": storeys}
+        name=name, structure="tower", p=2.0, alpha=0.2, eta=0.9, uplift=0.25,
+        a_scale=0.8, details={"storeys": storeys}
     )
 """
 
