@@ -19,7 +19,7 @@ from .system import System
 if TYPE_CHECKING:
     from .tied.tied_lanes import Found
 
-Cells = tuple[Array, Array, Array]  # A, Omega and eta, of one shape
+CellInputs = tuple[Array, Array, Array]  # A, Omega and eta, of one shape
 
 
 class Response(NamedTuple):
@@ -199,7 +199,11 @@ def response(
 
 
 def _one_by_one(
-    system: System, motion: Motion, cells: Cells, shape: tuple[int, ...], peaks: bool
+    system: System,
+    motion: Motion,
+    cells: CellInputs,
+    shape: tuple[int, ...],
+    peaks: bool,
 ) -> Response:
     """`response` of flat cells of one structure, marched one after the other.
 
@@ -242,7 +246,7 @@ def _one_by_one(
     )
 
 
-def _flat(*numbers: Array | float) -> tuple[tuple[int, ...], Cells]:
+def _flat(*numbers: Array | float) -> tuple[tuple[int, ...], CellInputs]:
     """(shape, flat cells) of A, Omega and eta broadcast against each other. Raises
     ArgumentError for shapes that do not fit.
     """
@@ -258,7 +262,7 @@ def _flat(*numbers: Array | float) -> tuple[tuple[int, ...], Cells]:
     return amplitude.shape, (amplitude.ravel(), omega.ravel(), eta.ravel())
 
 
-def _of(cells: Cells, at: Array | slice) -> Cells:
+def _of(cells: CellInputs, at: Array | slice) -> CellInputs:
     return cells[0][at], cells[1][at], cells[2][at]
 
 
@@ -283,7 +287,7 @@ def _of_standing(condition: Array, theta_ratio: Array) -> Array:
     return np.where(theta_ratio > 0.0, condition, np.nan)
 
 
-def _batch(system: System, motion: Motion, cells: Cells, peaks: bool) -> Batch:
+def _batch(system: System, motion: Motion, cells: CellInputs, peaks: bool) -> Batch:
     """A batch of flat cells under a motion."""
     return Batch.of(system, system.segments(motion.coarsest), *cells, peaks)
 
@@ -291,7 +295,7 @@ def _batch(system: System, motion: Motion, cells: Cells, peaks: bool) -> Batch:
 def _marched(
     system: System,
     motion: Motion,
-    cells: Cells,
+    cells: CellInputs,
     batch: Batch,
     *observers: Observer,
     pool: int | None = None,
@@ -310,7 +314,7 @@ def _marched(
 def cells_that_lose_contact(
     system: System,
     motion: Motion,
-    cells: Cells,
+    cells: CellInputs,
     doubtful: Array,
     theta_ratio: Array | None,
     fastest: Array | None = None,

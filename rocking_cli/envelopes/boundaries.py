@@ -26,7 +26,8 @@ from ..motions import Motion
 from .amplitudes import LONGEST_FINE, ScanGrid
 from .changes import SECTIONS, Brackets, narrowed
 
-Steps = list[tuple[float, int]]  # (amplitude, outcome from there on), amplitudes rising
+# (amplitude, outcome from there on), amplitudes rising
+OutcomeSteps = list[tuple[float, int]]
 
 # step of the finer scan around changes of the outcome or of the number of impacts,
 # where narrow intervals gather
@@ -105,7 +106,7 @@ class Search:
         )
         return lifted(found.outcome), found.impacts_at_least
 
-    def rows(self, omegas: Array) -> list[Steps]:
+    def rows(self, omegas: Array) -> list[OutcomeSteps]:
         """For each Omega the outcome at uplift and at every change
         above it. Changes are traced to the relative width `digits`; intervals narrower
         than the step of the scan may be missed.
@@ -113,7 +114,7 @@ class Search:
         begins, brackets = self._scan(omegas)
         return self._steps(begins, self._narrowed(omegas, brackets))
 
-    def _steps(self, begins: Array, found: Brackets) -> list[Steps]:
+    def _steps(self, begins: Array, found: Brackets) -> list[OutcomeSteps]:
         """Return the outcome of each row at uplift and above every change found."""
         rows = [[(self.uplift, label)] for label in begins.tolist()]
         found = found.take(np.lexsort((found.high, found.row)))

@@ -24,7 +24,7 @@ from ..showing import html_table
 from ..structures.given import Structure, structure_from
 from ..structures.parameters import RockingParameters
 from .amplitudes import SCAN_STEP
-from .boundaries import Search, Steps
+from .boundaries import OutcomeSteps, Search
 
 A_MAX = 20.0
 NARROWEST = 1e-3  # no interval of this width in A is missed
@@ -191,11 +191,11 @@ def _effort(method: Method, searches: Sequence[Search]) -> int:
     return _IN_STRETCHES if stretches else _IN_STEPS
 
 
-def merged(searches: Sequence[Search], omegas: np.ndarray) -> list[Steps]:
+def merged(searches: Sequence[Search], omegas: np.ndarray) -> list[OutcomeSteps]:
     """The outcomes of several searches at each Omega; each amplitude has the worst of
     their outcomes. Empty without searches.
     """
-    rows: list[Steps] = [[] for _ in omegas]
+    rows: list[OutcomeSteps] = [[] for _ in omegas]
     for search in searches:
         rows = [
             worse(one, other)
@@ -204,7 +204,7 @@ def merged(searches: Sequence[Search], omegas: np.ndarray) -> list[Steps]:
     return rows
 
 
-def worse(one: Steps, other: Steps) -> Steps:
+def worse(one: OutcomeSteps, other: OutcomeSteps) -> OutcomeSteps:
     """The worse of two outcomes at each amplitude: safe if both are safe, failed if one
     has failed and the other is safe.
     """
@@ -213,7 +213,7 @@ def worse(one: Steps, other: Steps) -> Steps:
     order = [
         o.value for o in sorted(Outcome, key=lambda o: (not o.safe, o.overturned, o))
     ]
-    merged: Steps = []
+    merged: OutcomeSteps = []
     for amplitude in sorted({a for a, _ in (*one, *other)}):
         labels = [
             next(
@@ -307,7 +307,7 @@ def in_turn(
         yield from run(shares)
 
 
-def intervals_of(omega: float, steps: Steps) -> Iterator[Interval]:
+def intervals_of(omega: float, steps: OutcomeSteps) -> Iterator[Interval]:
     """Yield the intervals that overturn."""
     for n, (begin, label) in enumerate(steps):
         end = steps[n + 1][0] if n + 1 < len(steps) else None

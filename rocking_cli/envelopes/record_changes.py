@@ -16,7 +16,7 @@ from ..arrays import Array
 from ..dynamics.method import Method
 from ..dynamics.outcome import Outcome
 from ..dynamics.response import (
-    Cells,
+    CellInputs,
     Response,
     cells_that_lose_contact,
     chains,
@@ -25,7 +25,7 @@ from ..dynamics.response import (
 )
 from ..dynamics.system import System
 from ..structures.parameters import RockingParameters
-from .boundaries import Search, Steps, lifted
+from .boundaries import OutcomeSteps, Search, lifted
 from .changes import Brackets, narrowed
 from .scan import Scan, changes_by_scan, follow
 
@@ -52,11 +52,11 @@ class RecordSearch(NamedTuple):
 def steps_under_records(
     asked: Sequence[RecordSearch],
     progress: Callable[[float], None] = lambda share: None,
-) -> list[Steps]:
+) -> list[OutcomeSteps]:
     """For each search the outcome at its lowest amplitude and at every change above it,
     as `Search.rows`; progress: called now and then with the share that is done.
     """
-    found: list[Steps] = [[] for _ in asked]
+    found: list[OutcomeSteps] = [[] for _ in asked]
     shared = [i for i, one in enumerate(asked) if _can_be_scanned(one.search)]
     for i, one in enumerate(asked):
         if i not in shared:
@@ -79,7 +79,7 @@ def _can_be_scanned(search: Search) -> bool:
 
 def _scanned_first(
     asked: Sequence[RecordSearch], progress: Callable[[float], None]
-) -> list[Steps]:
+) -> list[OutcomeSteps]:
     """`steps_under_records` of searches that can be scanned."""
     # The scan: the grids, and the changes between their amplitudes.
     scans = [
@@ -180,7 +180,9 @@ def _in_one_run(asked: Sequence[RecordSearch], of: Array, amplitude: Array) -> A
     return lifted(got.outcome)
 
 
-def _lost(search: Search, cells: Cells, got: Response, rate: Array, at: Array) -> Array:
+def _lost(
+    search: Search, cells: CellInputs, got: Response, rate: Array, at: Array
+) -> Array:
     """Which of the cells `at` lose the contact with the ground, by the forces of their
     own body; rate: largest speed of each cell of the run.
     """
@@ -206,7 +208,7 @@ def _outcomes(one: RecordSearch, amplitude: Array, how: str) -> Array:
     )
 
 
-def _steps(lowest: float, begin: int, found: Brackets, row: int) -> Steps:
+def _steps(lowest: float, begin: int, found: Brackets, row: int) -> OutcomeSteps:
     """The outcome of a row at its lowest amplitude and above every change found."""
     own = found.take(np.flatnonzero(found.row == row))
     order = np.argsort(own.high, kind="stable")

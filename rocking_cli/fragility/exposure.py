@@ -17,7 +17,7 @@ from ..dynamics.outcome import Outcome, falls
 from ..dynamics.response import response
 from ..dynamics.system import System
 from ..envelopes.amplitudes import LONGEST_FINE
-from ..envelopes.boundaries import Search, Steps
+from ..envelopes.boundaries import OutcomeSteps, Search
 from ..envelopes.capacity import RATIO, tracing_width
 from ..envelopes.intervals import in_turn
 from ..envelopes.record_changes import RecordSearch, steps_under_records
@@ -379,7 +379,7 @@ def _search(
     )
 
 
-def _intervals(steps: Steps, unit: float, power: float) -> list[Interval]:
+def _intervals(steps: OutcomeSteps, unit: float, power: float) -> list[Interval]:
     """Return the intervals of the measure [SI] in which a body falls, from its outcomes
     along the amplitude; unit: A at which the measure is 1.
     """

@@ -48,7 +48,7 @@ from .units import Units
 
 Kind = tuple[set[str], Callable[[Figure, Rows, Units], list[Axes]]]
 _TABLES = (".csv", ".json", ".jsonl", "")  # of the rows that the commands print
-Limits = tuple[float, float]  # both ends of an axis
+AxisEnds = tuple[float, float]  # both ends of an axis
 DRAWN = (
     "check, envelope, response, compare (curves), params (a family), fragility (curves,"
     " cells) or accuracy"
@@ -75,8 +75,8 @@ def draw(
     every: bool = False,
     over: str | None = None,
     log: str = "",
-    xlim: Limits | None = None,
-    ylim: Limits | None = None,
+    xlim: AxisEnds | None = None,
+    ylim: AxisEnds | None = None,
     units: Units | None = None,
     look: Look | None = None,
     portrait: bool = False,
@@ -210,7 +210,9 @@ def draw_records(
         traces(figure, records, shown)
 
 
-def _set_limits(axes: Sequence[Axes], xlim: Limits | None, ylim: Limits | None) -> None:
+def _set_limits(
+    axes: Sequence[Axes], xlim: AxisEnds | None, ylim: AxisEnds | None
+) -> None:
     """Set the ends of the axes of the first panels: ylim of those that share the label
     of the first one.
     """

@@ -17,7 +17,7 @@ from ..arrays import Array
 from ..dynamics.method import Method, governing_method
 from ..dynamics.outcome import Outcome
 from ..envelopes.amplitudes import Limit, limit_of
-from ..envelopes.boundaries import Search, Steps
+from ..envelopes.boundaries import OutcomeSteps, Search
 from ..envelopes.capacity import RATIO, tracing_width
 from ..envelopes.first_falls import Climb, lowest_falls
 from ..envelopes.intervals import (
@@ -102,7 +102,7 @@ class Tracing:
             return self.scene.columns.values / (2.0 * np.pi)
         return np.array([1.0 / self.scene.structures[structure].p])
 
-    def __call__(self, task: Task) -> list[Steps]:
+    def __call__(self, task: Task) -> list[OutcomeSteps]:
         """Return for each Omega of a task the changes (amplitude, outcome from there
         on), rising; none if no amplitude lifts the body.
         """
@@ -112,7 +112,7 @@ class Tracing:
         digits = tracing_width(self.scene.method, motion)
         omegas = self.omegas(task.structure)[list(task.omegas)]
         most = self.limit(task.structure)
-        found: list[Steps] = [[] for _ in omegas]
+        found: list[OutcomeSteps] = [[] for _ in omegas]
         # A body with unequal sides has other outcomes under the reversed record; of two
         # signs the worse outcome counts.
         for factor in (1.0,) if system.alike else SIGNS[task.sign]:
@@ -144,7 +144,7 @@ class Tracing:
         return found
 
 
-def _first_falls(search: Search, omegas: Array) -> list[Steps]:
+def _first_falls(search: Search, omegas: Array) -> list[OutcomeSteps]:
     """The outcome at the lowest amplitude and at the first fall at each Omega."""
     uplift, most = (np.full(omegas.size, x) for x in (search.uplift, search.a_max))
     found = lowest_falls(
@@ -300,7 +300,12 @@ def _tasks(tracing: Tracing, sign: str, shares: int) -> Iterator[Task]:
 
 
 def _rows(
-    scene: RecordScene, task: Task, column: int, steps: Steps, first: bool, signed: bool
+    scene: RecordScene,
+    task: Task,
+    column: int,
+    steps: OutcomeSteps,
+    first: bool,
+    signed: bool,
 ) -> Iterator[dict[str, Any]]:
     """Yield the intervals of one search as rows."""
     recording = scene.recordings[task.record]

@@ -62,7 +62,7 @@ _BY_TERM = [row.tolist() for row in _FACTORS]
 _RECIPROCALS = [1.0 / ((n + 1) * (n + 2)) for n in range(MOST_TERMS)]
 
 
-class Limits(NamedTuple):
+class LineLimits(NamedTuple):
     """Limits within which nothing happens to lanes, (lanes,) each, or floats."""
 
     low: Any  # y at the lower end of the branch
@@ -80,7 +80,7 @@ class LineCourse(NamedTuple):
     """What does not change for lanes that go over lines, (lanes,) each, or floats."""
 
     held: HeldBody  # the equation
-    limits: Any  # `Limits`, None as long as they are not set
+    limits: Any  # `LineLimits`, None as long as they are not set
     omega: Any  # Omega of the side [-]
     outward: Any  # outward drive of s = 1 [-]
     constant: Any  # of the devices, as of `Devices.linear_terms`
@@ -136,7 +136,7 @@ class LineEnd(NamedTuple):
         return cls(*ends, *sums)
 
 
-def is_clear(limits: Limits, y: Any, first: Any, end: LineEnd, h: Any) -> Any:
+def is_clear(limits: LineLimits, y: Any, first: Any, end: LineEnd, h: Any) -> Any:
     """True where nothing happens on a line of duration h [tau] that begins at y with h
     y' = `first`; floats or arrays, (lanes,).
     """
@@ -201,7 +201,7 @@ class WholeLines:
     def follow(self, lanes: TiedLanes, branch: OnBranch, top: Array) -> Array:
         """Move lanes over lines that are clear; True for lanes that may go on so.
 
-        branch: of the restraints; top: as of `Limits`, (lanes,).
+        branch: of the restraints; top: as of `LineLimits`, (lanes,).
         """
         course = self._course(lanes, branch)._replace(
             limits=self._limits(lanes, branch, top)
@@ -244,7 +244,7 @@ class WholeLines:
         series on that line if it holds.
         """
         course, factors = self._course_of_one(lanes, branch)
-        limits = Limits(*(float(x[0]) for x in self._limits(lanes, branch, top)))
+        limits = LineLimits(*(float(x[0]) for x in self._limits(lanes, branch, top)))
         course = course._replace(
             omega=lanes.omega.item(),
             outward=-lanes.side.item() * lanes.amplitude.item(),
@@ -305,8 +305,8 @@ class WholeLines:
             self._courses[key] = one, factors
         return self._courses[key]
 
-    def _limits(self, lanes: TiedLanes, branch: OnBranch, top: Array) -> Limits:
-        """The limits of lanes on a branch; top: as of `Limits`."""
+    def _limits(self, lanes: TiedLanes, branch: OnBranch, top: Array) -> LineLimits:
+        """The limits of lanes on a branch; top: as of `LineLimits`."""
         row, now, ones = branch.row, branch.now, np.ones(lanes.y.size)
         unit, alpha, kappa = ones, ones, 0.0 * ones
         if self.watched is not None:
@@ -319,7 +319,7 @@ class WholeLines:
         stretched = np.where(broken, np.inf, self.devices.level(row, farthest))
         known = np.minimum(lanes.peak, stretched.min(axis=0))
         events = now.yields | (self.recorder is not None)
-        return Limits(
+        return LineLimits(
             branch.low,
             branch.high,
             np.where(events, -1.0, known),
