@@ -10,7 +10,6 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ..arrays import Array
 from ..dynamics.batch import MAX_STEPS
 from ..dynamics.one.lane import Lane
 from ..dynamics.one.march import march

@@ -4,12 +4,12 @@ independent solver; and a fault of the march itself, which a sweep must tell.
 
 import numpy as np
 import pytest
+from rocking_cli.dynamics.samples import exact
 from support.documents import built
 from support.record_layouts import wave
 from support.synthetic_records import recorded
 
 from rocking_cli import Method, load_records, parse_grid, response, spectrum
-from rocking_cli.dynamics.samples import exact
 from rocking_cli.motions import pulse, sine
 from rocking_cli.reports.summary import summary_lines
 from rocking_cli.spectra.error_bound import Conditions

@@ -4,7 +4,6 @@ import numpy as np
 
 from ...arrays import Array
 from ...motions.segments import Segments
-from ..lanes import Array
 from ..system import System
 from .lane import Lane
 from .march import march
