@@ -37,7 +37,7 @@ class SpectrumOptions:
     )
     quantity: str | None = option(
         "--quantity",
-        "Also store: condition (sensitivity to the input), linear, velocity_ratio.",
+        "Also store: condition (error bound over tolerance), linear, velocity_ratio.",
         metavar="NAME,…",
     )
     no_validity: bool = flag(

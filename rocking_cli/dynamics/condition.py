@@ -1,13 +1,15 @@
 """The condition of a cell: by how much its largest rotation takes over the errors of
 the march. The march carries it along.
 
-Every step adds an independent error to y and to y', which the last terms of its series
-bound. The errors move with the body. The march on arrays carries their second moments
-M = [yy, yv; yv, vv], in units of the tolerance; that on floats lets every unit of tau
-add errors of one unit:
+Every step adds an error to y', which the last terms of its series bound, and that
+times its duration to y. The errors move with the body. The march carries their second
+moments M = [yy, yv; yv, vv], in units of the tolerance. On arrays a step adds its
+errors to the roots of yy and vv: the errors of the short steps under a record have the
+same sign for long. On floats every unit of tau adds independent errors of one unit.
 
 - along an arc of duration h, y'' = f(y), by the flow of the error, with r^2 = df/dy:
-  J = [cosh r h, sinh(r h)/r; r sinh r h, cosh r h], M -> J M J^T
+  J = [cosh r h, sinh(r h)/r; r sinh r h, cosh r h], M -> J M J^T; of cos and sin where
+  df/dy is negative, as under stiff restraints
 - through an impact, which an error dy delays by D = dy/|v|: with b before it, b+ after
   it and the ratio e of the speeds, dy+ = -e dy and dv+ = -e dv - (e b + b+) D
 - at rest nothing is left of them, since the next uplift depends on the drive alone
@@ -16,38 +18,41 @@ The condition is sqrt(yy) at the largest peak, in theta/alpha. Where two impacts
 each other at once M stays finite: no speed below `_SLOWEST` counts.
 """
 
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 
 from ..arrays import Array
-from .equations.equation import Equation
 
 _SLOWEST = 1e-6  # speed: an error of y of its square may lead past such an impact
 _LARGEST = 1e100  # moments stay below it, so that none overflows
 STEEP = 1e-6  # least df/dy of which a root is taken
 _TINY = 1e-300  # an arc without duration has a mean force too
+# The error of a step is at most so many times its last terms, and a rounding, which
+# takes in that of the drive.
+_SAFETY, _ROUNDING = 3.0, 1e-14
 _STEP = 1e-6  # change of y for a derivative by differences
 
 Moments = tuple[Any, Any, Any]  # yy, yv and vv
 
 
-def along(
-    m: Moments, grow: Any, h: Any, rate: Any, lost: Any = 1.0, error: Any = None
-) -> Moments:
-    """Return the moments after an arc of duration h [tau], with the errors that it
-    adds, half at its start; grow: exp(rate h), rate: root of df/dy, lost: the part of
-    an error that damping leaves, error: that of the step, None for one unit in every
-    unit of tau. Arrays or floats.
+def along(m: Moments, grow: Any, h: Any, rate: Any, lost: Any = 1.0) -> Moments:
+    """Return the moments after an arc of duration h [tau], which adds errors of one
+    unit in every unit of tau; grow: exp(rate h), rate: root of df/dy, lost: the part of
+    an error that damping leaves. Arrays or floats.
     """
-    half = 0.5 * h if error is None else 0.5 * error * error
-    yy, yv, vv = m[0] + half, m[1], m[2] + half
-    shrunk = 1.0 / grow
+    half, shrunk = 0.5 * h, 1.0 / grow
     c, s = 0.5 * lost * (grow + shrunk), 0.5 * lost * (grow - shrunk)
-    t, s = rate * s, s / rate
+    yy, yv, vv = _by_flow((m[0] + half, m[1], m[2] + half), (c, s / rate, rate * s))
+    return yy + half, yv, vv + half
+
+
+def _by_flow(m: Moments, flow: tuple[Any, Any, Any]) -> Moments:
+    """The moments after the flow J = [c, s; t, c]."""
+    (c, s, t), (yy, yv, vv) = flow, m
     # J M, then (J M) J^T
     a, b, d, e = c * yy + s * yv, c * yv + s * vv, t * yy + c * yv, t * yv + c * vv
-    return a * c + b * s + half, a * t + b * c, d * t + e * c + half
+    return a * c + b * s, a * t + b * c, d * t + e * c
 
 
 def through_impact(
@@ -76,21 +81,65 @@ def moved(
     """Return the moments of lanes, (3, lanes), after arcs of duration h [tau]; slope:
     df/dy on them; error: that of the step, over the tolerance.
     """
-    rate = np.sqrt(np.maximum(slope, STEEP) + damping * damping)
-    lost = np.exp(-damping * h) if damping else 1.0
-    m = moments[0], moments[1], moments[2]
-    return np.array(along(m, np.exp(rate * h), h, rate, lost, error))
+    square = np.broadcast_to(slope + damping * damping, h.shape)
+    rate = np.sqrt(np.maximum(np.abs(square), STEEP))
+    grow = np.exp(rate * h)
+    shrunk = 1.0 / grow
+    c, s = 0.5 * (grow + shrunk), 0.5 * (grow - shrunk)
+    t = rate * s
+    swings = np.flatnonzero(square < 0.0)
+    if swings.size:
+        angle = (rate * h)[swings]
+        c[swings], s[swings] = np.cos(angle), np.sin(angle)
+        t[swings] = -(rate * s)[swings]
+    if damping:
+        lost = np.exp(-damping * h)
+        c, s, t = c * lost, s * lost, t * lost
+    yy, yv, vv = _by_flow(rows(moments), (c, s / rate, t))
+    y, v = np.sqrt(np.maximum(yy, 0.0)), np.sqrt(np.maximum(vv, 0.0))
+    more_y, more_v = y + error * h, v + error
+    return np.array([more_y * more_y, yv + more_y * more_v - y * v, more_v * more_v])
+
+
+def rows(moments: Array) -> Moments:
+    """Return yy, yv and vv of lanes."""
+    return moments[0], moments[1], moments[2]
+
+
+def in_tolerances(error: Array, stated: float) -> Array:
+    """Return a bound of the error of steps with these last terms, over the tolerance
+    that an equation states.
+    """
+    return (_SAFETY * error + _ROUNDING) / stated
+
+
+def sheared(m: Moments, jump: Array, v: Array) -> Array:
+    """Return the moments after a jump of the force at a place that bodies pass with the
+    velocity v.
+    """
+    yy, yv, vv = m
+    turn = jump * np.sign(v) / np.maximum(np.abs(v), _SLOWEST)
+    return np.array([yy, yv + turn * yy, vv + turn * (2.0 * yv + turn * yy)])
+
+
+class Law(Protocol):
+    """A law of motion: an equation, alone or with restraints."""
+
+    damping: float  # zeta [-]
+
+    def slope(self, y: Any, force: Any) -> Any:
+        """df/dy at displacement y, under the drive that gives this force f."""
 
 
 def slope_between(
-    equation: Equation, start: tuple[Any, Any], end: tuple[Any, Any], h: Any
+    law: Law, start: tuple[Any, Any], end: tuple[Any, Any], h: Any
 ) -> Any:
     """Return df/dy in the middle of arcs of duration h between two states (y, v);
     arrays or floats.
     """
     y, v = 0.5 * (start[0] + end[0]), 0.5 * (start[1] + end[1])
-    force = (end[1] - start[1]) / (h + _TINY) + 2.0 * equation.damping * v
-    return equation.slope(y, force)
+    force = (end[1] - start[1]) / (h + _TINY) + 2.0 * law.damping * v
+    return law.slope(y, force)
 
 
 def at_free_peak(moments: Array, y: Array, v: Array, peak: Any) -> Array:

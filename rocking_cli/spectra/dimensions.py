@@ -283,9 +283,9 @@ VARIABLES: dict[str, Variable] = {
     ),
     "condition": _real(
         "condition of the largest rotation",
-        "sum of abs(d theta_ratio / d ln x) over the amplitude, the frequency and the"
-        " restitution, by central differences; NaN where overturned, failed or not"
-        " computed, or if a cell of the differences is",
+        "bound of the error of theta_ratio over the tolerance, from the last terms of"
+        " all steps, carried through arcs and impacts; NaN where no body rocks and"
+        " stands",
     ),
     "friction": _real(
         "required coefficient of friction",

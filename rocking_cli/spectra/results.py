@@ -42,7 +42,8 @@ _RECORDED = (
 class Summary(Shown):
     """Counts, times and checks of a sweep, as `write_spectrum` returns it.
 
-    Of a resumed sweep the times, checks and counters are those of the last run only.
+    Of a resumed sweep the times, checks and counters are those of the last run only;
+    the error bound is that of all cells.
     `error_bound`, `largest_difference` and `misjudged` say how far to trust the
     results, `row` is what `rocking spectrum --json` prints.
 

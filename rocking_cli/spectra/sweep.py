@@ -24,7 +24,7 @@ from ..processes import available_cpus, refuse_endless
 from ..structures.given import Structure, structures_from
 from ..structures.parameters import RockingParameters
 from .dimensions import QUANTITIES, VARIABLES
-from .error_bound import Conditions
+from .error_bound import Conditions, tolerance_of
 from .results import Spectrum, Summary
 from .scene import PulseScene, Scene, Unit, cut_into_units
 from .verification import Verification, default_check, validity
@@ -362,8 +362,12 @@ def write_scene(
                 f" {writer.part}; `resume` goes on"
             ) from None
         judged = validity(scene) if options.sample_validity else None
+        assert writer.conditions is not None
         summary = replace(
-            summary, machine_differences=writer.machine_differences, validity=judged
+            summary,
+            machine_differences=writer.machine_differences,
+            validity=judged,
+            **writer.conditions.bounds(tolerance_of(scene.method)),
         )
         writer.finish(summary.row())
     return summary
@@ -396,12 +400,13 @@ def _layout(scene: Scene, options: SweepOptions) -> "FileLayout":
 def _packed(
     names: Sequence[str], chunk: tuple[int, int], block: Block
 ) -> dict[str, bytes]:
-    """Return the bytes of the variables of a block as the file stores them; worker
-    processes call this.
+    """Return the bytes of the variables of a block as the file stores them, and its
+    packed conditions; worker processes call this.
     """
-    from .file.layout import pack
+    from .file.layout import CONDITIONS, pack
 
-    return {name: pack(block[name], chunk) for name in names}
+    conditions = Conditions.of(block["condition"]).packed()
+    return {name: pack(block[name], chunk) for name in names} | {CONDITIONS: conditions}
 
 
 def _units_of(scene: Scene, options: SweepOptions) -> list[Unit]:
@@ -498,7 +503,7 @@ def _run(
         ),
         resumed_cells=int(resumed.sum()),
         **checked,
-        **counts.conditions.bounds(scene.method),
+        **counts.conditions.bounds(tolerance_of(scene.method)),
     )
 
 

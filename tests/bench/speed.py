@@ -28,7 +28,7 @@ ROWS = {
     "nonlinear": (
         "a nonlinear cell of a rigid body at 1e-9",
         "µs",
-        "half the tolerance times the cell's condition",
+        "the tolerance times the cell's condition",
     ),
     "nonlinear_heyoka": ("heyoka at 1e-9", "µs", ""),
     "arch": ("a nonlinear cell of an arch at 1e-9", "µs", "the same"),

@@ -1,20 +1,29 @@
-"""The bound of the error of cells and of sweeps, against a tolerance of 1e-13 and the
-independent solver; and a fault of the march itself, which a sweep must tell.
+"""The bound of the error of cells and of sweeps.
+
+A few cells of every system are compared with the integration of the oracles, which
+shares no code with the march. Random cells are compared with the march at a tolerance
+of 1e-13, which `test_conformance.py` compares with that integration. Two faults show
+what a sweep tells of itself: one of the march, and one of the bound.
 """
+
+import math
 
 import numpy as np
 import pytest
-from rocking_cli.dynamics.samples import exact
+from support.conformance import SYSTEMS, answer, short_record, structure_of, sweep
 from support.documents import built
 from support.record_layouts import wave
 from support.synthetic_records import recorded
 
-from rocking_cli import Method, load_records, parse_grid, response, spectrum
+from rocking_cli import Method, Outcome, load_records, parse_grid, response, spectrum
+from rocking_cli.dynamics.march import advance
+from rocking_cli.dynamics.method import governing_method
 from rocking_cli.motions import pulse, sine
 from rocking_cli.reports.summary import summary_lines
 from rocking_cli.spectra.error_bound import Conditions
 from rocking_cli.spectra.record_scene import scene_of_words
 from rocking_cli.spectra.sweep import SweepOptions, spectrum_of
+from rocking_cli.spectra.work import jobs
 
 BODIES = {
     "slender": "kind: block\nwidth: 0.5 m\nheight: 2 m\nrestitution: 0.9",
@@ -26,16 +35,21 @@ MOTIONS = {
     "cycles": sine(4),
     "ricker": pulse("ricker-symmetric"),
     "record": recorded(wave(24, 3.0), 0.1).motion,
+    "short record": short_record(),
 }
-TOLERANCES = (1e-4, 1e-6, 1e-9, 1e-11)
+TOLERANCES = (1e-4, 1e-6, 1e-9, 1e-12)
+ROUNDING = 1e-13  # of theta/alpha: that of the march at 1e-13 itself
+# of a yielding tie the bound takes every error with its worst sign
+LOOSE = ("yielding tie", "tied, one-sided")
 
 
-def errors(body, motion, tolerance, count, how="arrays"):
+def errors(structure, motion, tolerance, count, how="arrays"):
     """(errors against a tolerance of 1e-13, bounds) of random cells that stand."""
     random = np.random.default_rng(20)
-    structure = built(BODIES[body])
     amplitude = random.uniform(1.05, 5.0, count)
     omega = np.exp(random.uniform(np.log(0.6), np.log(10.0), count))
+    if "record" in motion:
+        omega = 1.0 / random.uniform(0.7, 6.0, count)
     found, exactly = (
         response(
             Method("nonlinear", t).system_of(structure),
@@ -52,38 +66,64 @@ def errors(body, motion, tolerance, count, how="arrays"):
     return np.abs(found.theta_ratio - exactly.theta_ratio)[known], bound
 
 
+@pytest.mark.parametrize("tolerance", [1e-4, 1e-6])
+@pytest.mark.parametrize("motion", ["one sine", "short record"])
+@pytest.mark.parametrize("system", [x for x in SYSTEMS if x != "arch"])
+def test_the_error_against_an_independent_integration_is_below_the_bound(
+    system, motion, tolerance
+):
+    """The integration is exact to 1e-9."""
+    along = sweep(system, motion)
+    amplitude, omega, eta = along.cells()
+    model = governing_method(along.structure).model
+    law = Method(model, tolerance).system_of(along.structure)
+    found = response(law, along.motion, amplitude, omega, eta)
+    for i in along.picked(False):
+        flag, ratio = answer(system, motion, i)
+        stands = found.outcome[i] == Outcome.ROCKED and flag == "rocked"
+        if stands and math.isfinite(ratio):
+            bound = tolerance * float(found.condition[i])
+            assert abs(float(found.theta_ratio[i]) - ratio) <= bound + 1e-9
+
+
 @pytest.mark.parametrize("tolerance", TOLERANCES)
 @pytest.mark.parametrize("motion", MOTIONS)
 @pytest.mark.parametrize("body", BODIES)
 def test_the_error_is_below_its_bound_and_not_far_below(body, motion, tolerance):
-    error, bound = errors(body, motion, tolerance, 100)
+    structure = built(BODIES[body])
+    error, bound = errors(structure, motion, tolerance, 100)
     assert error.size >= 3
-    assert (error <= bound + 1e-14).all()
-    # Under a record the samples make the steps shorter than the tolerance asks for; of
-    # a hundred cells the one with the largest bound may err little by chance.
-    if motion != "record":
-        assert bound.max() <= 1e7 * error.max()
+    assert (error <= bound + ROUNDING).all()
+    if structure.eta <= 0.95 and tolerance > 1e-12:  # there rounding is the error
+        assert bound.max() <= 1e5 * error.max()
+
+
+@pytest.mark.parametrize("motion", ["sine", "short record"])
+@pytest.mark.parametrize("system", SYSTEMS)
+def test_the_error_of_every_system_is_below_its_bound(system, motion):
+    error, bound = errors(structure_of(SYSTEMS[system]), motion, 1e-5, 20)
+    assert (error <= bound + ROUNDING).all()
 
 
 @pytest.mark.soak
 @pytest.mark.parametrize("tolerance", TOLERANCES)
 @pytest.mark.parametrize("motion", MOTIONS)
+@pytest.mark.parametrize("system", SYSTEMS)
+def test_the_error_of_thousands_of_cells_is_below_its_bound(system, motion, tolerance):
+    error, bound = errors(structure_of(SYSTEMS[system]), motion, tolerance, 2_000)
+    assert (error <= bound + ROUNDING).all()
+    if error.size >= 100 and tolerance > 1e-12 and system not in LOOSE:
+        assert bound.max() <= 1e5 * error.max()
+
+
 @pytest.mark.parametrize("body", BODIES)
-def test_the_error_of_thousands_of_cells_is_below_its_bound(body, motion, tolerance):
-    error, bound = errors(body, motion, tolerance, 5_000)
-    assert (error <= bound + 1e-14).all()
-
-
-def test_one_cell_after_the_other_has_the_condition_of_arrays():
-    for body in BODIES:
-        (_, many), (_, one) = (
-            errors(body, "cycles", 1e-9, 40, how) for how in ("arrays", "floats")
-        )
-        assert one == pytest.approx(many, rel=0.5)
+def test_the_error_of_one_cell_after_the_other_is_below_its_bound(body):
+    error, bound = errors(built(BODIES[body]), "cycles", 1e-9, 40, "floats")
+    assert (error <= bound + ROUNDING).all()
 
 
 def test_a_sweep_states_a_bound_above_its_largest_error():
-    """The block of restitution 0.9, 36 cells at 1e-4: the largest error is 2.2e-5."""
+    """The block of restitution 0.9, 36 cells at 1e-4: the largest error is 4.8e-7."""
     block = built(BODIES["slender"])
     grid = parse_grid("a_g=0.26g:0.9g:6,T_g=0.3:1:6")
     found, exactly = (
@@ -91,44 +131,77 @@ def test_a_sweep_states_a_bound_above_its_largest_error():
         for t in (1e-4, 1e-13)
     )
     error = np.nanmax(np.abs(found.theta_ratio - exactly.theta_ratio))
-    assert error == pytest.approx(2.2e-5, rel=0.05)
+    assert error == pytest.approx(4.84e-7, rel=0.05)
     summary = found.summary
     assert error <= summary.error_bound <= 1e3 * error
     assert summary.error_bound_median <= summary.error_bound
     assert summary.largest_difference <= summary.error_bound
-    assert any(line.startswith("error bound: 4") for line in summary_lines(summary, ""))
+    assert any(line.startswith("error bound: ") for line in summary_lines(summary, ""))
 
 
-def test_a_sweep_tells_a_fault_of_its_own(monkeypatch):
-    """With a sign reversed in the largest y of a stretch peaks are missed."""
+def a_sweep():
+    """100 linear cells under a record, of which 12 are computed again."""
     scene = scene_of_words(
         [],
         load_records(["configs/motions/synthetic.at2"]),
-        axes="T=1:6:20",
-        alphas="0.05:0.35:20",
+        axes="T=1:6:10",
+        alphas="0.05:0.35:10",
         model="linear",
     )
-    options = SweepOptions(workers=1)
-    right = spectrum_of(scene, options)
-    assert right.summary.beyond_tolerance == 0
-    monkeypatch.setattr(
-        exact,
-        "turn_below",
-        lambda y, v, start: y + v * v / (-start + np.sqrt(start * start + v * v)),
-    )
-    wrong = spectrum_of(scene, options)
+    return spectrum_of(scene, SweepOptions(workers=1, check=12))
+
+
+def test_a_sweep_tells_a_fault_of_its_march(monkeypatch):
+    """A peak gets the height at the start of its step."""
+    right = a_sweep()
+    assert right.summary.beyond_tolerance == right.summary.misjudged == 0
+    true_root = advance.only_root
+
+    def at_the_start(terms, guess, *limits, speed):
+        found = true_root(terms, guess, *limits, speed=speed)
+        if speed:
+            found[1] = terms[0]
+        return found
+
+    monkeypatch.setattr(advance, "only_root", at_the_start)
+    wrong = a_sweep()
     apart = np.abs(wrong.theta_ratio - right.theta_ratio)
-    assert (apart > 1e-6).sum() > 10
+    assert (apart > 1e-7).sum() > 10
     assert wrong.summary.beyond_tolerance > 0
     assert any("do not rely" in line for line in summary_lines(wrong.summary, ""))
 
 
+@pytest.mark.parametrize("share", [1.0, 0.5])
+def test_a_sweep_tells_a_bound_that_is_below_the_error(share, monkeypatch):
+    """Of so many cells the condition is divided until it is a tenth of the error: each
+    checked cell is compared with its own bound.
+    """
+    block, grid = built(BODIES["slender"]), parse_grid("a_g=0.26g:0.9g:30,T_g=0.3:1:30")
+    method, method_exactly = (Method("nonlinear", t) for t in (1e-4, 1e-13))
+    exactly = spectrum([block], sine(), grid, method=method_exactly, workers=1, check=0)
+
+    def found():
+        return spectrum([block], sine(), grid, method=method, workers=1, check=16)
+
+    assert found().summary.beyond_tolerance == 0
+    true, cells = exactly.theta_ratio.ravel(), np.random.default_rng(3)
+    respond = jobs.response
+
+    def too_sure(system, motion, amplitude, *others, **options):
+        got = respond(system, motion, amplitude, *others, **options)
+        error = np.abs(got.theta_ratio - true) / 1e-4
+        faulty = cells.random(error.size) < share
+        return got._replace(condition=np.where(faulty, 0.1 * error, got.condition))
+
+    monkeypatch.setattr(jobs, "response", too_sure)
+    assert found().summary.beyond_tolerance > 0
+
+
 def test_conditions_add_up_and_one_large_one_does_not_hide_the_others():
-    method = Method("nonlinear", 1e-9)
     one, other = np.full(60, 2.0), np.append(np.full(40, 3.0), [np.nan, 1e6, 50.0])
-    found = (Conditions.of(one) + Conditions.of(other)).bounds(method)
+    found = (Conditions.of(one) + Conditions.of(other)).bounds(1e-9)
     assert found["error_bound"] == pytest.approx(1e-3)
     assert found["error_bound_median"] == pytest.approx(2e-9, rel=0.04)
     assert found["cells_above_ten_medians"] == 2
-    nothing = Conditions.of(np.zeros(0)).bounds(method)
+    nothing = Conditions.of(np.zeros(0)).bounds(1e-9)
     assert set(nothing.values()) == {0}

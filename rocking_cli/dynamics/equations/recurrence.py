@@ -28,6 +28,7 @@ class Recurrence(Protocol):
 
     damping: float  # zeta [-]
     tolerance: float  # error of y that a series keeps [-]
+    gain: Any  # upper bound of |df/dy| near the ground, for drives |a| <= 1 [-]
 
     def along(
         self, y: Series, new: Callable[[], Series]

@@ -5,6 +5,7 @@ its step, so no step is rejected. Impacts and peaks are roots of the series.
 import math
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 
@@ -33,6 +34,7 @@ _LEAST = 1e-3  # tau: the unit of lanes at the end of their line
 # growth rate of lanes up to a little beyond the barrier; the last terms show where it
 # is larger
 GROWTH = 1.3
+_INVERSES = 1.0 / np.cumprod(np.maximum(1.0, np.arange(MOST_TERMS + 1.0)))  # of n!
 # largest size of the first term left out, over the error that a step may have
 _ROOM = 0.1
 
@@ -394,12 +396,14 @@ def line_series(
     """
     unit = drive.unit
     # A bound of |y''| and of the slope of the drive gives the degree.
+    line = drive.terms.array[:, : unit.size]
     size = 2.0 + np.abs(v) * (growth / GROWTH)
-    for line in (drive.terms, drive.weight):
-        if line is None:
+    for rows in (drive.terms, drive.weight):
+        if rows is None:
             continue
-        start, gain = np.abs(line.array[:, : unit.size])
+        start, gain = np.abs(rows.array[:, : unit.size])
         size += start + gain / unit
+    weight = 1.0 if drive.weight is None else start + gain
     degree = degrees(size, unit, equation.tolerance, growth)
     terms = motion_terms(
         equation,
@@ -427,6 +431,49 @@ def line_series(
         np.minimum(short, 1.0) * unit,
         np.full(unit.shape, growth),
         equation.damping,
-        # what is left out is to the last terms as those are to the terms before them
-        np.minimum(degree, 4.0 * (growth * unit) ** 2 / degree) * last / unit,
+        left_out(
+            [_term(terms, degree - i) for i in range(3)],
+            degree,
+            unit,
+            changes(growth * growth * weight, equation, line, v * unit),
+        )
+        + next_term(size, unit, degree, growth),
     )
+
+
+def _term(terms: Array, n: Array) -> Array:
+    """The size of term n of each lane."""
+    lanes = n.size
+    return np.abs(terms.ravel().take(n * lanes + np.arange(lanes)))
+
+
+def next_term(size: Any, unit: Any, degree: Any, growth: Any) -> Any:
+    """What the term after a series of this degree adds to y' by the bound of `degrees`:
+    the terms themselves can be small by accident. Arrays or floats.
+    """
+    return size * unit * (growth * unit) ** (degree - 1.0) * _INVERSES[degree]
+
+
+def changes(slope: Any, law: Recurrence, line: Any, v: Any) -> tuple[Any, Any, Any]:
+    """(a bound of df/dy, its change over the unit, zeta) as `left_out` takes them, for
+    a straight line (drive at the start, its increase) and h y' = v. slope: bound of
+    df/dy without the drive.
+    """
+    start, gain = abs(line[0]), abs(line[1])
+    return (
+        slope + law.gain * (start + gain),
+        law.gain * (gain + abs(v)),
+        law.damping,
+    )
+
+
+def left_out(last: Any, degree: Any, unit: Any, law: tuple[Any, Any, Any]) -> Any:
+    """Return the error of y' after the unit [tau] of a series, by the next two terms;
+    last: sizes of the term `degree` and of the two before it; law: as of `changes`,
+    from which the next terms follow. Arrays or floats.
+    """
+    slope, change, damping = law
+    first = slope * last[1] + change * last[2]
+    second = slope * last[0] + change * last[1]
+    next_two = first / degree + second / (degree + 1.0)
+    return 2.0 * damping * last[0] + unit * next_two

@@ -102,7 +102,7 @@ def advance(
         impact_force,
         top,
         top_at * h,
-        _last_terms(terms) / h if arc.error is None else arc.error,
+        error_of(arc, terms, h),
         one.fastest / h,
     )
 
@@ -143,11 +143,15 @@ def _impacts(
     return velocity, force
 
 
-def _last_terms(terms: Array) -> Array:
-    """The last two terms of h y', which bound what is left out."""
+def error_of(arc: TaylorSeries, terms: Array, h: Array) -> Array:
+    """Return a bound of the error of y' after steps of the length h: the last two terms
+    of y', where the series does not tell it.
+    """
+    if arc.error is not None:
+        return arc.error
     n = len(terms) - 1
     found: Array = n * np.abs(terms[n]) + (n - 1.0) * np.abs(terms[n - 1])
-    return found
+    return found / h
 
 
 @lru_cache(maxsize=64)

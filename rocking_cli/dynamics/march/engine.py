@@ -15,7 +15,14 @@ import numpy as np
 
 from ...arrays import Array
 from ..batch import Batch
-from ..condition import at_free_peak, moved, slope_between, through_impact
+from ..condition import (
+    at_free_peak,
+    in_tolerances,
+    moved,
+    rows,
+    slope_between,
+    through_impact,
+)
 from ..contacts.sequences import STILL
 from ..drive import place
 from ..equations.equation import Equation
@@ -28,9 +35,6 @@ from .proofs import FREE_MOTION, LaneProof, Proved, free_motion, proofs_of
 # lanes that are advanced together: fewer rounds against arrays that no longer fit the
 # caches
 _POOL, _POOL_OF_LINES = 4096, 16384
-
-# The error of a step is at most so many times its last terms, and a rounding.
-_SAFETY, _ROUNDING = 3.0, 1e-15
 
 _TRIM_THRESHOLD, _MMAP_THRESHOLD = -1, -3  # parameters of mallopt(3)
 _BLOCK = 32 << 20  # bytes, the largest that it takes
@@ -213,7 +217,7 @@ class Run:
         np.copyto(v, step.impact_v, where=step.hit)
         ends, h = ((lanes.y, lanes.v), (y, v)), step.reach
         slope = np.broadcast_to(slope_between(equation, *ends, h), h.shape)
-        error = (_SAFETY * step.error + _ROUNDING) / equation.stated
+        error = in_tolerances(step.error, equation.stated)
         at = np.flatnonzero(step.top >= lanes.peak)
         if at.size:
             before = lanes.moments.take(at, axis=1)
@@ -295,7 +299,7 @@ class Run:
         )
         if batch.peaks:
             lanes.moments[:3] = through_impact(
-                (lanes.moments[0], lanes.moments[1], lanes.moments[2]),
+                rows(lanes.moments),
                 (v, b - drag * v),
                 (lanes.v, lanes.force - drag * lanes.v),
                 omega / lanes.omega,

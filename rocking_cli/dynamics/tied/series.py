@@ -26,12 +26,13 @@ from ..equations.recurrence import Series, product_term, product_terms
 from ..equations.rigid_body import RigidBodyEquation
 from ..equations.taylor import TaylorSeries
 from ..lanes import Lanes
-from ..march.advance import one_turn_step
+from ..march.advance import error_of, one_turn_step
 from ..march.roots import fall_guess, only_root
 from .devices import Branch, Devices
 from .pulls import Pull
 
 NewSeries = Callable[[], Series]  # returns an empty series
+_STEP = 1e-6  # change of y for a derivative by differences
 
 
 class Step(NamedTuple):
@@ -46,6 +47,7 @@ class Step(NamedTuple):
     turn: Array  # time from the start at which y' = 0 [tau], NaN without a turn
     fastest: Array  # bound of |y'| in the step
     largest_acceleration: Array  # bound of |y''| in the step
+    error: Array  # bound of the error of y' that the step adds
 
 
 class Law:
@@ -62,6 +64,12 @@ class Law:
         """y'' under the outward drive a, without damping, (lanes,)."""
         return self.equation.on(side).force(y, a) - self.devices.pull_on(row, now).at(y)
 
+    def drive(self, segments: Segments, lanes: Lanes) -> Array:
+        """The outward drive of lanes at their present position."""
+        change = drive_change(segments, lanes.segment, lanes.phase)
+        s = segments.s_start[lanes.segment] + change
+        return -lanes.side * lanes.amplitude * s
+
     def flow(
         self, segments: Segments, lanes: Lanes, row: Array, now: Branch, exact: Array
     ) -> TaylorSeries:
@@ -70,17 +78,8 @@ class Law:
         """
         held = HeldBody.of(self.equation.on(lanes.side), self.devices, row, now)
         lanes = Lanes.joined([lanes])
-        drive = (
-            -lanes.side
-            * lanes.amplitude
-            * (
-                segments.s_start[lanes.segment]
-                + drive_change(segments, lanes.segment, lanes.phase)
-            )
-        )
-        lanes.force = np.where(
-            exact, 0.0, self.force(row, now, lanes.side, lanes.y, drive)
-        )
+        force = self.force(row, now, lanes.side, lanes.y, self.drive(segments, lanes))
+        lanes.force = np.where(exact, 0.0, force)
         stiffness = self.devices.linear_terms(row, now)[1]
         if self.of_lines:
             return taylor.line_flow(held, segments, lanes, growth(stiffness))
@@ -114,6 +113,14 @@ class LinearMoment(NamedTuple):
         """
         constant, stiffness = self
         return lambda n: stiffness * y[n] if n else constant + stiffness * y[0]
+
+    def at(self, y: Any) -> Any:
+        """What is taken from y'' at y."""
+        return self.constant + self.stiffness * y
+
+    def slope(self, y: Any) -> Any:
+        """Its derivative by y."""
+        return self.stiffness
 
 
 class CircularMoment(NamedTuple):
@@ -183,6 +190,14 @@ class CircularMoment(NamedTuple):
 
         return pulled
 
+    def at(self, y: Any) -> Any:
+        """As `LinearMoment.at`."""
+        return self.pull.at(y)
+
+    def slope(self, y: Any) -> Any:
+        """As `LinearMoment.slope`."""
+        return (self.pull.at(y + _STEP) - self.pull.at(y)) / _STEP
+
     def _half_angle(
         self, y: Series, new: NewSeries
     ) -> Callable[[int], tuple[Any, Any]]:
@@ -220,6 +235,12 @@ class HeldBody:
         self.moment = moment  # of the devices
         self.damping = equation.damping
         self.tolerance = equation.tolerance
+        self.stated = equation.stated
+        self.gain = equation.gain
+
+    def slope(self, y: Any, force: Any) -> Any:
+        """df/dy at displacement y, under the drive that gives this force f."""
+        return self.equation.slope(y, force + self.moment.at(y)) - self.moment.slope(y)
 
     @classmethod
     def of(cls, equation: Equation, devices: Devices, row: Array, now: Branch) -> Self:
@@ -287,6 +308,7 @@ def one_turn(arc: TaylorSeries, left: Array, lines: bool) -> Step:
         turn,
         turns.fastest / h,
         turns.largest_acceleration / (h * h),
+        error_of(arc, terms, h),
     )
 
 

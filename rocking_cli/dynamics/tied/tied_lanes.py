@@ -31,6 +31,8 @@ class TiedLanes(Lanes):
     turned: Array
     rests: Array  # True where the body comes to rest
     lost: Array  # True if Fz <= 0 has occurred
+    # second moment of the error of y at which a restraint yielded (`carried`)
+    yielded: Array
 
     @classmethod
     def at_rest(
@@ -44,7 +46,7 @@ class TiedLanes(Lanes):
         """Lanes at rest on the right at the start of the motion; shape: (sides,
         devices, lanes).
         """
-        numbers = ("phase", "y", "v", "force", "peak")
+        numbers = ("phase", "y", "v", "force", "peak", "yielded")
         counts = ("segment", "impacts", "steps", "turned")
         signs = ("exact", "bounced", "rests", "lost")
         return cls(

@@ -43,6 +43,7 @@ from ...arrays import Array
 from ...errors import UsageError
 from ...motions.motion import Motion
 from ..batch import MAX_STEPS
+from ..condition import rows, through_impact
 from ..contacts.contact import OneSided
 from ..drive import place
 from ..equations.taylor import TaylorSeries
@@ -50,10 +51,11 @@ from ..lanes import Cells, Lanes
 from ..outcome import FALLEN, LOST, Outcome
 from ..system import System
 from .bounces import Bounces
+from .carried import carry_step, carry_through_break, keep_yield_error
 from .contact_watch import ContactWatch, Steps
 from .cuts import cut
 from .devices import Branch
-from .series import Law, Step, one_turn
+from .series import HeldBody, Law, Step, one_turn
 from .tied_lanes import Found, OnBranch, Recorder, StepEnds, TiedLanes, note
 from .transitions import Transitions
 from .whole_lines import LEAST_LINES, WholeLines
@@ -205,6 +207,7 @@ class March:
         )
         k, u = place(self.segments, again.segment, again.phase)
         lanes.segment[at], lanes.phase[at], lanes.y[at], lanes.v[at] = k, u, 0.0, 0.0
+        lanes.moments[:3, at] = 0.0
         if not self.one_sided:
             self.contact.turn(self.cells, lanes, at, again.side)
         # y'' is exactly 0 at an uplift, unless the drive jumps on the way to the next
@@ -275,6 +278,9 @@ class March:
         if self.recorder is not None:
             self.recorder.keep(lanes, step.arc, float(ended.reach[0]), now)
         self._watch_contact(lanes, row, now, step, ended.reach)
+        if self.recorder is None:
+            held = HeldBody.of(self.equation.on(lanes.side), self.devices, row, now)
+            carry_step(lanes, held, step, ended, touch)
 
         # The state and the position at the end; at the end of the closed form the next
         # one begins.
@@ -340,14 +346,26 @@ class March:
             here = 1 << row[still]
             lanes.turned[still] |= here | (lanes.turned[still] & here) << 2
             self._note(lanes, "peak", lanes.y, lanes.v)
-            self.transitions.unload(lanes, peaked[now.yields[peaked]], row)
+            yields = peaked[now.yields[peaked]]
+            keep_yield_error(lanes, yields)
+            self.transitions.unload(lanes, yields, row)
         # Devices whose branch ends here change to the next one.
         for at, limits, sign in (
             (np.flatnonzero(ends.up & ~fallen), now.high, 1.0),
             (np.flatnonzero(ends.down & ~hit), now.low, -1.0),
         ):
             if at.size:
-                self.transitions.pass_end(lanes, at, row, limits, sign)
+                broken = self.transitions.pass_end(lanes, at, row, limits, sign)
+                if broken.size:
+                    after = self._branch(lanes).now.take(broken)
+                    carry_through_break(
+                        lanes,
+                        broken,
+                        self.devices,
+                        row[broken],
+                        now.take(broken),
+                        after,
+                    )
         # A body that turned inwards on still ground and turns outwards again above the
         # ground comes to rest there: its restraints hold it.
         leans = ends.bottom & ((lanes.turned >> (row + self.again)) & 1 > 0)
@@ -425,6 +443,8 @@ class March:
         # lower (Lemma 8).
         known = np.zeros(lanes.cell.size, dtype=bool)
         known[at] = still & (struck.turned & self.every == self.every)
+        before = struck.v, self._acceleration(struck)
+        omega = struck.omega
         self.contact.impact(self.cells, struck, struck.v, struck.force)
         struck.y[:] = 0.0
         for name in (
@@ -440,6 +460,13 @@ class March:
         ):
             getattr(lanes, name)[at] = getattr(struck, name)
         self.transitions.leave(lanes, at)
+        left = lanes.take(at)
+        lanes.moments[:3, at] = through_impact(
+            rows(left.moments),
+            before,
+            (left.v, self._acceleration(left)),
+            omega / left.omega,
+        )
         stops = struck.v < _STILL
         seen = 0.0 if self.recorder is None else self.recorder.visible
         # Bounces that end in rest (Lemma 7) and are proved to keep contact (Lemma 13).
@@ -449,6 +476,13 @@ class March:
         ends[watched] = self.bounces.keep_contact(low.take(watched))
         lanes.rests[at] = stops | ends
         return known
+
+    def _acceleration(self, lanes: TiedLanes) -> Array:
+        """y'' of lanes at their present position."""
+        row, now, _, _ = self._branch(lanes)
+        drive = self.law.drive(self.segments, lanes)
+        force = self.law.force(row, now, lanes.side, lanes.y, drive)
+        return force - 2.0 * self.equation.damping * lanes.v
 
     def _finish(self, lanes: TiedLanes, at: Array, outcome: Array) -> TiedLanes:
         """Store the results of the lanes `at`; outcome: of all lanes. Returns the other
@@ -460,6 +494,7 @@ class March:
         found.outcome[cell] = outcome[at]
         found.impacts[cell] = lanes.impacts[at]
         found.steps[cell] = lanes.steps[at]
+        found.condition[cell] = np.sqrt(lanes.moments[3, at])
         known = np.isin(
             outcome[at], (Outcome.NO_UPLIFT, Outcome.ROCKED, Outcome.LEANING)
         )

@@ -53,9 +53,10 @@ class Transitions:
 
     def pass_end(
         self, lanes: TiedLanes, at: Array, row: Array, limits: Array, sign: float
-    ) -> None:
+    ) -> Array:
         """Move devices of the lanes `at` that are at an upper (sign = 1) or lower (sign
-        = -1) end of their branch to the next branch.
+        = -1) end of their branch to the next branch; returns the lanes in which one
+        breaks.
         """
         row = row[at]
         reached = sign * (lanes.y[at] - limits[:, at]) >= 0.0
@@ -91,6 +92,7 @@ class Transitions:
                     lanes.v,
                     self.devices.names[device],
                 )
+        return at[breaks.any(axis=0)]
 
     def unload(self, lanes: TiedLanes, at: Array, row: Array) -> None:
         """Unload the lanes `at`, whose velocity has changed sign: yielding devices

@@ -34,11 +34,15 @@ from ..equations.taylor import (
     MOST_TERMS,
     WITHIN,
     TaylorSeries,
+    changes,
     degrees,
     factors_for,
     last_terms,
+    left_out,
+    next_term,
     size_limits,
 )
+from .carried import carry
 from .devices import BROKEN, Devices
 from .series import HeldBody, changed, growth
 from .tied_lanes import OnBranch, Recorder, TiedLanes
@@ -86,6 +90,10 @@ class LineCourse(NamedTuple):
     constant: Any  # of the devices, as of `Devices.linear_terms`
     stiffness: Any
     rate: Any  # growth rate of the motion [1/tau]
+
+    def law(self, line: Any, v: Any) -> tuple[Any, Any, Any]:
+        """As `changes`."""
+        return changes(self.rate * self.rate, self.held, line, v)
 
     def left_of(self, lines: Sequence[Any], k: Any, u: Any) -> tuple[Any, Any, Any]:
         """(duration [tau], drive at the start, its increase) of what is left of line k
@@ -207,16 +215,14 @@ class WholeLines:
             limits=self._limits(lanes, branch, top)
         )
         y, v, k, u = lanes.y, lanes.v, lanes.segment, lanes.phase
+        time, square = np.zeros(y.size), np.zeros(y.size)
         go = self._short(lanes, k, u)
         # The degree of the first line serves all: the last terms show if it is enough.
         _, *line = course.left_of(self.lines, k, u)
         whole = np.minimum(self.lines[2][k] / lanes.omega, _LONGEST)
-        degree = degrees(
-            course.size(y, v, (whole, *line)),
-            whole,
-            self.equation.tolerance,
-            course.rate,
-        )
+        size = course.size(y, v, (whole, *line))
+        degree = degrees(size, whole, self.equation.tolerance, course.rate)
+        size *= 1.0 / _ROOM
         factors = factors_for(np.ones(go.size), degree)
         last = degree * go.size + np.arange(go.size)
         for _ in range(_TOGETHER):
@@ -229,9 +235,16 @@ class WholeLines:
             end = LineEnd.of(terms)
             go &= last_terms(terms, last, h) <= self.least * h
             go &= is_clear(course.limits, y, terms[1], end, h)
+            time += np.where(go, h, 0.0)
+            flat = np.abs(terms).ravel()
+            sizes = [flat[last - i * go.size] for i in range(3)]
+            error = left_out(sizes, degree, h, course.law(line, h * v))
+            error += next_term(size, h, degree, course.rate)
+            square += np.where(go, error * error, 0.0)
             y, v = np.where(go, end.y, y), np.where(go, end.first / h, v)
             k, u = k + go, np.where(go, 0.0, u)
             go &= self._short(lanes, k, u)
+        carry(lanes, course.held, (y, v), time, np.sqrt(square))
         lanes.steps += k - lanes.segment
         lanes.exact &= k == lanes.segment
         lanes.y, lanes.v, lanes.segment, lanes.phase = y, v, k, u
@@ -266,6 +279,13 @@ class WholeLines:
                 return _arc(course, terms, h)
             if self.recorder is not None:
                 self.recorder.keep(lanes, _arc(course, terms, h), h, branch.now)
+            else:
+                sizes, degree = list(map(abs, terms[:-4:-1])), len(terms) - 1
+                error = left_out(sizes, degree, h, course.law(drive, h * v))
+                size = course.size(y, v, line) / _ROOM
+                error += next_term(size, h, degree, course.rate)
+                state = np.array([end.y]), np.array([end.first / h])
+                carry(lanes, course.held, state, np.array([h]), np.array([error]))
             y, v, k, u = end.y, end.first / h, k + 1, 0.0
             lanes.y[0], lanes.v[0], lanes.segment[0], lanes.phase[0] = y, v, k, u
             lanes.steps += 1

@@ -22,9 +22,12 @@ from ..dimensions import VARIABLES, Frame, Values, Variable
 GZIP_LEVEL = 1  # on these data level 4 takes three times as long and saves 2 %
 
 Packed = Mapping[str, bytes]
-"""A chunk: the stored, compressed bytes of each variable, in the order of VARIABLES."""
+"""A chunk: the stored, compressed bytes of each variable, in the order of VARIABLES,
+and its CONDITIONS, empty in files of version 0.1.0.
+"""
 
 BOOKKEEPING = "bookkeeping"  # group of CHUNK_TABLES, the variables of each chunk
+CONDITIONS = "chunk_conditions"  # counts of the conditions of each chunk, packed
 
 _FLAGS = {"flag_values": np.array([0, 1], dtype="u1"), "flag_meanings": "open done"}
 CHUNK_TABLES = {
@@ -175,6 +178,12 @@ class FileLayout:
         for name, kind in CHUNK_TABLES.items():
             values = np.arange(size) if name == "chunk" else np.zeros(size)
             _add_list(tables, name, "chunk", values, kind.dtype, kind.attributes)
+        conditions = tables.create_dataset(CONDITIONS, size, h5py.vlen_dtype("u1"))
+        conditions.attrs["long_name"] = (
+            "largest condition of this chunk's cells (f8), then the bins of the"
+            " conditions (u2: 64 a decade from 1e-8 on) with their cell counts (u4)"
+        )
+        conditions.dims[0].attach_scale(tables["chunk"])
 
 
 def _add_list(
@@ -223,12 +232,13 @@ def unpack(raw: bytes, dtype: np.dtype, shape: tuple[int, ...]) -> np.ndarray:
 
 def checksum(packed: Packed) -> int:
     """Return the CRC-32 of the packed variables of a chunk."""
-    return zlib.crc32(b"".join(packed.values()))
+    variables = (raw for name, raw in packed.items() if name != CONDITIONS)
+    return zlib.crc32(b"".join(variables))
 
 
 def joined(packed: Packed) -> bytes:
-    """Return the content of an entry of a partial file: the lengths of the packed
-    variables of a chunk, then their bytes.
+    """Return the content of an entry of a partial file: the lengths of the packed parts
+    of a chunk, then their bytes.
     """
     return struct.pack(f"<{len(packed)}Q", *map(len, packed.values())) + b"".join(
         packed.values()
@@ -236,11 +246,18 @@ def joined(packed: Packed) -> bytes:
 
 
 def split(content: bytes, names: Sequence[str]) -> dict[str, bytes]:
-    """Return the packed variables by name from the content that `joined` has made."""
-    begin, packed = 8 * len(names), {}
+    """Return the packed variables of these names and the conditions from the content
+    that `joined` has made. Raises ValueError where it has other parts.
+    """
+    parts = (*names, CONDITIONS)
+    begin, packed = 8 * len(parts), {}
+    if len(content) < begin:
+        raise ValueError("it is too short")
     for name, length in zip(
-        names, struct.unpack(f"<{len(names)}Q", content[:begin]), strict=True
+        parts, struct.unpack(f"<{len(parts)}Q", content[:begin]), strict=True
     ):
         packed[name] = content[begin : begin + length]
         begin += length
+    if begin != len(content):
+        raise ValueError("it has other parts")
     return packed

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from ...dynamics.equations.linear import SERIES
 from ...dynamics.outcome import Outcome
 from ...errors import OutputError, UsageError
 from ..dimensions import VARIABLES
@@ -104,7 +105,11 @@ def merge(
         except BaseException:
             writer.discard()  # it can be written again from the shards
             raise
-        writer.finish(_totals(files, outcomes))
+        bounds = {}
+        if writer.conditions is not None:
+            tolerance = files[0].attributes.get("tolerance", SERIES)
+            bounds = writer.conditions.bounds(tolerance)
+        writer.finish(_totals(files, outcomes) | bounds)
         return Merged(
             int(writer.done.sum()),
             writer.chunk_grid.size,
@@ -153,14 +158,13 @@ def _copied(files: Sequence[SpectraFile], writer: SpectraWriter) -> np.ndarray:
 
 def _totals(files: Sequence[SpectraFile], outcomes: np.ndarray) -> dict[str, Any]:
     """Return the closing attributes of the whole file from those of the shards."""
-    run_time, check_time, checked, difference, bound = (
+    run_time, check_time, checked, difference = (
         [file.attributes.get(key, 0) for file in files]
         for key in (
             "run_time",
             "check_time",
             "checked_cells",
             "largest_difference",
-            "error_bound",
         )
     )
     return {
@@ -169,7 +173,6 @@ def _totals(files: Sequence[SpectraFile], outcomes: np.ndarray) -> dict[str, Any
         "check_time": sum(check_time),
         "checked_cells": sum(checked),
         "largest_difference": max(difference),
-        "error_bound": max(bound),
         **{f"cells_{o.flag}": int(outcomes[o]) for o in Outcome},
     }
 

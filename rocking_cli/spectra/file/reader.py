@@ -24,6 +24,7 @@ from .integrity import SIGNATURE, Log, checked_digest, read, reason
 from .layout import (
     BOOKKEEPING,
     CHUNK_TABLES,
+    CONDITIONS,
     ChunkGrid,
     Packed,
     checksum,
@@ -127,13 +128,15 @@ class SpectraFile(ExitStack[None]):
         names = [
             name for name in file if name not in CHUNK_TABLES and name != BOOKKEEPING
         ]
-        for group, some in ((file, names), (tables, CHUNK_TABLES)):
+        stated = [CONDITIONS] if CONDITIONS in tables else []
+        for group, some in ((file, names), (tables, [*CHUNK_TABLES, *stated])):
             for name in some:
                 own_dataset(group, name)
 
         self._read_scene(file, names)
         self.done = tables["chunk_done"][...] == 1
         self._sums = tables["chunk_checksum"][...]
+        self._conditions = tables.get(CONDITIONS)
         if self._log is not None:
             self.machines = _machines(self._log.notes.get("computed_on", []))
             chunks = np.arange(self.chunk_grid.size)
@@ -272,7 +275,7 @@ class SpectraFile(ExitStack[None]):
         Returns
         -------
         Packed
-            bytes by variable
+            bytes by variable, and the packed conditions of its cells
 
         Raises
         ------
@@ -293,6 +296,9 @@ class SpectraFile(ExitStack[None]):
                 self._sums[index]
             ):
                 raise ValueError("its checksum does not fit")
+            packed[CONDITIONS] = (
+                b"" if self._conditions is None else self._conditions[index].tobytes()
+            )
             return packed
         except _FAULTS as error:
             raise OutputError(
@@ -304,9 +310,12 @@ class SpectraFile(ExitStack[None]):
         Raises OutputError if the chunk is damaged.
         """
         cells = tuple(slice(0, s.stop - s.start) for s in self.chunk_grid.extent(index))
+        packed = self.packed(index)
         return {
-            name: unpack(raw, VARIABLES[name].dtype, self.chunk_grid.chunk)[cells]
-            for name, raw in self.packed(index).items()
+            name: unpack(packed[name], VARIABLES[name].dtype, self.chunk_grid.chunk)[
+                cells
+            ]
+            for name in self.names
         }
 
     def block(

@@ -18,6 +18,7 @@ import numpy as np
 
 from ...errors import OutputError, UsageError
 from ...publishing import followed, published
+from ..error_bound import Conditions
 from ..scene import Unit
 from ..work.machine import machine, together, unlike
 from .integrity import (
@@ -31,7 +32,15 @@ from .integrity import (
     reason,
     write,
 )
-from .layout import BOOKKEEPING, FileLayout, Packed, checksum, joined, split
+from .layout import (
+    BOOKKEEPING,
+    CONDITIONS,
+    FileLayout,
+    Packed,
+    checksum,
+    joined,
+    split,
+)
 from .partial_file import check_output, is_there, open_locked, refuse_existing
 from .same_scene import first_difference
 
@@ -65,6 +74,8 @@ class SpectraWriter:
         self.whole = layout.attributes.get("shard") == "1/1"
         # counts of outcomes in each chunk of an earlier run
         self.resumed: dict[int, np.ndarray] = {}
+        # of the cells in all chunks; None where a chunk states none
+        self.conditions: Conditions | None = Conditions.of(np.zeros(0))
         # True for each finished chunk, (chunks,)
         self.done = np.zeros(self.chunk_grid.size, dtype=bool)
         self.machines = together([machines or [machine()]])
@@ -140,6 +151,8 @@ class SpectraWriter:
             done = map(int, np.flatnonzero(before.done))
             intact = [i for i in done if before.intact(i)]
             self.resumed = {i: before.outcomes(i) for i in intact}
+            for i in intact:
+                self._count(before.packed(i))
         self.done[intact] = True
         self.file.truncate(self.log.end)
 
@@ -187,6 +200,16 @@ class SpectraWriter:
                 f"{self.part}: cannot be written: {error.strerror or error}{kept}"
             ) from None
         self.done[index] = True
+        self._count(packed)
+
+    def _count(self, packed: Packed) -> None:
+        """Add the conditions of a chunk to those of all."""
+        raw = packed[CONDITIONS]
+        self.conditions = (
+            self.conditions + Conditions.unpacked(raw)
+            if raw and self.conditions is not None
+            else None
+        )
 
     def finish(self, attributes: Mapping[str, Any]) -> None:
         """Write the finished file from the partial file with the closing attributes,
@@ -242,6 +265,7 @@ class SpectraWriter:
             for name in self.names:
                 h5[name].id.write_direct_chunk(offset, packed[name], 0)
             sums[index] = checksum(packed)
+            tables[CONDITIONS][index] = np.frombuffer(packed[CONDITIONS], np.uint8)
             target.check()
         tables["chunk_done"][...] = self.done
         tables["chunk_checksum"][...] = sums

@@ -36,8 +36,6 @@ from ..verification import Answer, Place, Verification, reference
 
 TOGETHER = 1 << 19  # cells that a worker computes in one batch
 
-STEP = 1e-7  # relative change of the input of tied bodies for their condition
-
 Item = list[Unit] | Place
 """A batch of units, or a cell for the reference."""
 
@@ -239,10 +237,6 @@ class Job:
             )
         else:
             got = response(system, motion, *cells)
-        if system.devices is not None:
-            amplitude, omega = cells[:2] * (1.0 + STEP)
-            shifted = response(system, motion, amplitude, omega, cells[2])
-            got = got._replace(condition=condition_by_difference(got, shifted))
         if "linear" in self.quantities:
             systems = [LINEAR.system_of(s) for s in structures]
             linear = response(System.of_each_cell(systems, counts), motion, *cells)
@@ -337,16 +331,6 @@ class Job:
                 float(block["condition"][at]),
             )
         return found
-
-
-def condition_by_difference(got: Response, shifted: Response) -> np.ndarray:
-    """Return the condition of cells whose march carries none, those with ties: the
-    change of theta_ratio over the relative change `STEP` of A and Omega, at least 1.
-    """
-    change = np.abs(shifted.theta_ratio - got.theta_ratio)
-    rotates = np.isfinite(got.theta_ratio) & (got.theta_ratio > 0.0)
-    found = np.nan_to_num(change / STEP, nan=1.0 / STEP)
-    return np.where(rotates, np.maximum(found, 1.0), np.nan)
 
 
 def _joined(blocks: Sequence[Block]) -> Block:

@@ -96,6 +96,8 @@ def test_shards_that_overlap_and_agree_are_one(tmp_path):
     merged = merge([half, whole], tmp_path / "m.h5")
     assert (merged.chunks, merged.all_chunks, merged.machine_differences) == (6, 6, "")
     with SpectraFile(tmp_path / "m.h5") as one, SpectraFile(whole) as other:
+        for name in ("error_bound", "error_bound_median", "cells_above_ten_medians"):
+            assert one.attributes[name] == other.attributes[name] > 0
         assert one.digest
         assert one.complete
         assert all(one.packed(i) == other.packed(i) for i in range(6))

@@ -8,6 +8,7 @@ import os
 import shutil
 import subprocess
 import sys
+from dataclasses import replace
 from types import SimpleNamespace
 
 import h5py
@@ -31,7 +32,7 @@ from rocking_cli import (
 from rocking_cli.reports.summary import summary_lines
 from rocking_cli.spectra.file import writer as store
 from rocking_cli.spectra.file.integrity import Log
-from rocking_cli.spectra.file.layout import FileLayout, pack
+from rocking_cli.spectra.file.layout import CONDITIONS, FileLayout, joined, pack, split
 from rocking_cli.spectra.file.reader import SpectraFile
 from rocking_cli.spectra.file.same_scene import first_difference
 from rocking_cli.spectra.file.writer import SpectraWriter
@@ -208,6 +209,36 @@ def test_resume_calls_no_damaged_file_complete(output, whole):
         assert output.read_bytes() == content
 
 
+BOUNDS = ("error_bound", "error_bound_median", "cells_above_ten_medians")
+
+
+def test_the_error_bound_of_a_sweep_that_goes_on_is_that_of_all_cells(output, whole):
+    """Two structures share each chunk; the most sensitive cells may lie in the chunks
+    of the first run, of which the second run computes none.
+    """
+    both = [*ONE, replace(ONE[0], name="other")]
+    once = sweep(output.with_name("once.h5"), both)
+    for chunks in (1, 3, 5):
+        output.unlink(missing_ok=True)
+        left_part(output, chunks, structures=both)
+        found = sweep(output, both, resume=True)
+        assert found.resumed_cells == 400 * chunks
+        with SpectraFile(output) as file:
+            for name in BOUNDS:
+                assert getattr(found, name) == getattr(once, name) > 0
+                assert file.attributes[name] == getattr(once, name)
+
+
+def test_a_chunk_without_conditions_is_computed_again(output, whole):
+    part = left_part(output)
+    with part.open("rb+") as file:
+        log = Log(file)
+        parts = split(log.content(1), ("theta_ratio", "outcome"))
+        log.append(1, joined({k: parts[k] for k in ("theta_ratio", "outcome")}))
+    assert sweep(output, resume=True).resumed_cells == 400
+    same_file(output, whole)
+
+
 def test_resume_computes_damaged_chunks_again(rocking, output, whole):
     part = left_part(output, 5)
     with open(part, "rb") as file:
@@ -337,6 +368,7 @@ def test_an_incomplete_file_is_never_published(output):
             {
                 "theta_ratio": pack(np.zeros((5, 40))),
                 "outcome": pack(np.ones((5, 40), "u1")),
+                CONDITIONS: b"",
             },
         )
         with pytest.raises(
