@@ -177,6 +177,8 @@ def response(
         raise ArgumentError("amplitude must be finite and not negative")
     if not (np.all(np.isfinite(cells[1])) and np.all(cells[1] > 0.0)):
         raise ArgumentError("omega must be positive and finite")
+    if pool is not None and pool < 1:
+        raise ArgumentError(f"`pool`: found {pool}; expected a whole number from 1")
     if how not in WAYS:
         raise UsageError(
             f"`how`: found {how!r}; expected"
