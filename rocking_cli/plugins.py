@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from importlib import import_module
 from typing import TYPE_CHECKING
 
-from .errors import OutputError, RockingError, UsageError
+from .errors import ArgumentError, OutputError, RockingError, UsageError
 
 if TYPE_CHECKING:
     from importlib.metadata import EntryPoint
@@ -77,13 +77,16 @@ def blamed(
     entry: EntryPoint, error_of: Callable[[str], RockingError]
 ) -> Iterator[None]:
     """Turn whatever a package's code raises into `error_of` of a sentence that names
-    the package; RockingErrors and Ctrl-C pass unchanged.
+    the package; Ctrl-C and what a user did wrong pass unchanged.
     """
     try:
         yield
-    except (RockingError, KeyboardInterrupt):
+    except KeyboardInterrupt:
         raise
     except BaseException as error:
+        # an argument that does not fit is a fault of the package that gives it
+        if isinstance(error, RockingError) and not isinstance(error, ArgumentError):
+            raise
         raise error_of(
             f"{entry.name}, which {_package(entry)} adds and which cannot be used:"
             f" {_in_one_line(error)}"

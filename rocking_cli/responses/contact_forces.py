@@ -12,7 +12,7 @@ import numpy as np
 
 from ..arrays import Array
 from ..dynamics.outcome import Outcome
-from ..structures.mechanics.joint_forces import Measured
+from ..structures.mechanics.measured import Measured
 from .arcs import LATE, Event
 from .chebyshev import Extent, extent, first_below
 from .force_history import ForceHistory

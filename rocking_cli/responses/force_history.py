@@ -15,7 +15,7 @@ import numpy as np
 from ..arrays import Array
 from ..dynamics.equations.equation import Equation, Point
 from ..motions.blocks import blocks
-from ..structures.mechanics.joint_forces import Measured
+from ..structures.mechanics.measured import Measured
 from ..structures.parameters import RockingParameters
 from .arcs import Event, History
 from .chebyshev import extent

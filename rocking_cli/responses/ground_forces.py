@@ -29,7 +29,7 @@ import numpy as np
 from ..arrays import Array
 from ..dynamics.body import ground_reaction
 from ..errors import UsageError
-from ..structures.mechanics.joint_forces import Measured, ratio_of
+from ..structures.mechanics.measured import Measured, ratio_of
 from ..structures.parameters import RockingParameters
 from .force_history import Instants
 

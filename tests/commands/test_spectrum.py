@@ -65,7 +65,7 @@ def test_quantities_on_request_are_variables_of_the_file(rocking, tmp_path):
     with h5py.File(tmp_path / "s.h5") as f:
         condition, theta = f["condition"][0, 0], f["theta_ratio"][0, 0]
         assert f["condition"].attrs["units"] == "1"
-        assert "restitution" in f["condition"].attrs["comment"]
+        assert "tolerance" in f["condition"].attrs["comment"]
         assert f["impacts_at_least"].shape == f["condition"].shape
     assert condition[0] == 0.0
     assert np.isnan(condition[np.isnan(theta)]).all()
@@ -176,6 +176,12 @@ def test_an_input_is_never_the_output(refused, tmp_path):
         )
 
 
+def heed_signals():
+    """Let a process heed signals that its parent ignores, as under nohup."""
+    for stop in STOPS:
+        signal.signal(stop, signal.SIG_DFL)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("workers", "stop"),
@@ -204,6 +210,7 @@ def test_every_signal_that_stops_keeps_what_was_done(tmp_path, workers, stop):
         stderr=subprocess.PIPE,
         text=True,
         start_new_session=True,
+        preexec_fn=heed_signals,
     )
     part = tmp_path / "s.h5.part"
     assert grows(part, 200_000, process)
@@ -261,7 +268,7 @@ def test_two_paths_are_said_to_differ_beyond_the_tolerance_and_not_below_it(rock
         "s.h5",
     )
     done = rocking(*call, "--json")
-    assert done.record["largest_difference"] > 1e-6
+    assert 1e-9 < done.record["largest_difference"] < 1e-3
     assert "do not rely" not in done.stderr
 
 

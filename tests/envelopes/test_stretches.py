@@ -50,7 +50,7 @@ def test_what_is_proved_is_what_the_march_finds(body, sign):
     # Next to other stretches, and at every seventh amplitude.
     edge = np.append(first[1:] != first[:-1], True)
     some = np.flatnonzero(proved & (edge | (np.arange(row.size) % 7 == 0)))
-    found, impacts = search._respond(amplitude[some], omegas[row[some]])
+    found, impacts = search.respond(amplitude[some], omegas[row[some]])
     np.testing.assert_array_equal(found, label[some])
     assert not impacts.any()
 

@@ -37,6 +37,7 @@ MOTIONS = {
     "record": recorded(wave(24, 3.0), 0.1).motion,
     "short record": short_record(),
 }
+NONLINEAR = [name for name in SYSTEMS if name != "parameters"]  # a_scale is not 1
 TOLERANCES = (1e-4, 1e-6, 1e-9, 1e-12)
 ROUNDING = 1e-13  # of theta/alpha: that of the march at 1e-13 itself
 # of a yielding tie the bound takes every error with its worst sign
@@ -99,7 +100,7 @@ def test_the_error_is_below_its_bound_and_not_far_below(body, motion, tolerance)
 
 
 @pytest.mark.parametrize("motion", ["sine", "short record"])
-@pytest.mark.parametrize("system", SYSTEMS)
+@pytest.mark.parametrize("system", NONLINEAR)
 def test_the_error_of_every_system_is_below_its_bound(system, motion):
     error, bound = errors(structure_of(SYSTEMS[system]), motion, 1e-5, 20)
     assert (error <= bound + ROUNDING).all()
@@ -108,7 +109,7 @@ def test_the_error_of_every_system_is_below_its_bound(system, motion):
 @pytest.mark.soak
 @pytest.mark.parametrize("tolerance", TOLERANCES)
 @pytest.mark.parametrize("motion", MOTIONS)
-@pytest.mark.parametrize("system", SYSTEMS)
+@pytest.mark.parametrize("system", NONLINEAR)
 def test_the_error_of_thousands_of_cells_is_below_its_bound(system, motion, tolerance):
     error, bound = errors(structure_of(SYSTEMS[system]), motion, tolerance, 2_000)
     assert (error <= bound + ROUNDING).all()

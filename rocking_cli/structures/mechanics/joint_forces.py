@@ -20,6 +20,7 @@ from ..sketch import Point
 from .assembly import BOTH, NEAR, NONE, VERTICAL, Face, Hinge
 from .linkage import Linkage
 from .loop_closure import Positions
+from .measured import Measured, ratio_of
 
 _UNIQUE = 1e-9  # least singular value over the largest: forces are unique
 
@@ -45,14 +46,6 @@ class JointForce(NamedTuple):
     shear: Array  # T at each hinge [N], (n, hinges)
     # force of each load that is not carried, over its weight [-], (n, bearings)
     loads: Array
-
-
-class Measured(NamedTuple):
-    """Forces at instants, over a weight."""
-
-    columns: dict[str, Array]  # by column, (n,)
-    # by quantity, the larger the worse (thrust_min is -N), (n, places)
-    measures: dict[str, Array]
 
 
 @dataclass(frozen=True)
@@ -267,12 +260,6 @@ class JointForces:
                 arm = change.place - linkage.masses[link - 1].centre
                 wanted[0, link - 1] += change.about(arm)
         return self._solved(linkage.positions(np.zeros(1)), wanted.reshape(1, -1))
-
-
-def ratio_of(shear: Array, thrust: Array) -> Array:
-    """Return |T|/N, infinite without compression."""
-    with np.errstate(all="ignore"):
-        return np.where(thrust > 0.0, shear / thrust, np.inf)
 
 
 class MomentumChange(NamedTuple):

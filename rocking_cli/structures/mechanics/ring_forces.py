@@ -17,8 +17,9 @@ import numpy as np
 from ...arrays import Array
 from .assembly import GROUND, Assembly, Hinge, PlanarBody
 from .fourbar import EXTRADOS, INTRADOS, FourBar
-from .joint_forces import JointForce, JointForces, Measured, Moving, ratio_of
+from .joint_forces import JointForce, JointForces, Moving
 from .linkage import Linkage
+from .measured import Measured, ratio_of
 
 _SECTIONS = 180  # radial sections of an arch without voussoirs that are looked at
 _RATIOS = ("friction", "eccentricity")

@@ -1,0 +1,53 @@
+"""The forces at the joints of a mechanism along a history, by Eq. 3.4."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ..structures.mechanics.fourbar import FourBar
+from ..structures.mechanics.joint_forces import JointForces, Moving
+from ..structures.mechanics.linkage import Linkage
+from ..structures.mechanics.measured import Measured
+from ..structures.mechanics.ring_forces import RingForces, linkage_of
+from ..structures.parameters import RockingParameters, Side
+from .force_history import Instants
+
+
+def joints_of(structure: RockingParameters) -> dict[float, JointStatics] | None:
+    """Return the forces of each side; None of a structure without such joints."""
+    if not isinstance(structure.mechanism, FourBar | Linkage):
+        return None
+    g, (left, right) = structure.gravity, structure.sides or (structure, structure)
+    edges, joints = {1.0: right, -1.0: left}, dict[float, JointForces]()
+    linkage = None
+    for side, edge in edges.items():
+        mechanism = edge.mechanism
+        if isinstance(mechanism, FourBar):
+            linkage = linkage or linkage_of(mechanism)
+            joints[side] = RingForces(linkage, g, mechanism, side < 0.0)
+        else:
+            assert isinstance(mechanism, Linkage)
+            joints[side] = JointForces(mechanism, g)
+    weight = joints[1.0].weight
+    return {x: JointStatics(edges[x], joints[x], g, weight) for x in edges}
+
+
+@dataclass(frozen=True)
+class JointStatics:
+    """The forces at the joints of a mechanism by Eq. 3.4 on one side."""
+
+    edge: Side | RockingParameters  # the parameters of the side
+    joints: JointForces  # of the side, or of the right side if that is its mirror image
+    gravity: float  # g [m/s2]
+    weight: float  # of an arch, or of what moves on the right side [N]
+
+    def forces_at(self, at: Instants) -> Measured:
+        """Return the forces at instants."""
+        edge, linkage, g = self.edge, self.joints.linkage, self.gravity
+        phi = at.equation.rotation(at.point.y) * edge.alpha
+        rate = at.equation.rotation_rate(at.point.y, at.point.v)
+        rate = rate * (edge.alpha * edge.p)
+        across, up = linkage.direction * at.side * (g * at.across), g * at.up
+        acceleration = linkage.acceleration(phi, rate, across, up, g)
+        moving = Moving(phi, rate, acceleration, across, up)
+        return self.joints.measured(moving, self.weight)
