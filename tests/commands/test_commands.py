@@ -266,7 +266,7 @@ def code_tokens(file: Path) -> int:
     ("arguments", "most"),
     [
         ("check configs/block.yaml --a-g 0.35g --f-g 1.5", 134_000),
-        ("spectrum --eta 0.9 --grid A=1:2:2,Omega=1:2:2 -q -o OUT", 93_000),
+        ("spectrum --eta 0.9 --grid A=1:2:2,Omega=1:2:2 -q -o OUT", 96_000),
     ],
     ids=["check", "spectrum"],
 )

@@ -226,7 +226,8 @@ BUILDS = "REPORTS = ()\ndef build(document, name):\n    {}\n"
         ),
         (
             "from rocking_cli import RockingParameters as P\n"
-            "    return P(name, 'failing', 2, 0.2, 0.9, 0.2, 1, details={'a': {1}})",
+            "    return P(name=name, structure='failing', p=2, alpha=0.2, eta=0.9,"
+            " uplift=0.2, a_scale=1, details={'a': {1}})",
             "TypeError: its details: Object of type set is not JSON serializable",
         ),
     ],
