@@ -177,7 +177,7 @@ def one_turn(terms: Array) -> Turns:
         several = several[more > 1]
         if not several.size:
             break
-    turns = changes > 0
+    turns = changes % 2 == 1
     guess, at = np.ones(changes.size), np.flatnonzero(turns)
     if at.size:
         guess[at] = turn_guess(speeds.take(at, axis=1), positive.take(at, axis=1))

@@ -107,9 +107,14 @@ class Run:
 
     def _march(self, waiting: Array) -> None:
         """March these cells, (cells,) indices, to their end."""
-        lanes, taken = self._begin(waiting[: self.pool]), self.pool
+        lanes, taken = self._begin(waiting[:0]), 0
+        while lanes.cell.size < self.pool and taken < waiting.size:
+            room = self.pool - lanes.cell.size
+            lanes = lanes.join(self._begin(waiting[taken : taken + room]))
+            taken += room
+        lanes.slot = np.arange(lanes.cell.size)
         ready = lanes.take(slice(0))  # lanes at their first uplift, without a place
-        while lanes.cell.size or taken < waiting.size:
+        while lanes.cell.size:
             free = np.flatnonzero(self.round(lanes))
             while free.size and (ready.cell.size or taken < waiting.size):
                 if not ready.cell.size:
@@ -127,13 +132,22 @@ class Run:
 
     def _begin(self, cell: Array) -> PooledLanes:
         """Return lanes for these cells at their first uplift, without those that the
-        ground has fallen away from before.
+        ground has fallen away from before, or that the very end of the motion lifts.
         """
         lanes = self.end_free_fall(self.start(cell))
-        lanes.segment, lanes.phase = place(
-            self.batch.segments, lanes.segment, lanes.phase
-        )
+        lanes = self._at_uplift(lanes, np.arange(lanes.cell.size))
         return lanes.extended(PooledLanes, slot=np.arange(lanes.cell.size))
+
+    def _at_uplift(self, lanes: AnyLanes, at: Array) -> AnyLanes:
+        """Place the lanes `at`, which are at an uplift, inside their segments; finish
+        those that nothing lifts any more. Returns the other lanes.
+        """
+        seg = self.batch.segments
+        k, u = place(seg, lanes.segment[at], lanes.phase[at])
+        lanes.segment[at], lanes.phase[at] = k, u
+        settled = at[k >= len(seg)]
+        self.finish(lanes, settled, Outcome.ROCKED, lanes.peak[settled])
+        return lanes.take(np.delete(np.arange(lanes.cell.size), settled))
 
     def start(self, cell: Array) -> Lanes:
         """Return lanes for these cells, at their first uplift from rest; the segment is
@@ -174,11 +188,16 @@ class Run:
         self.work.impacts += int(np.count_nonzero(step.hit))
         self.work.steps += step.hit.size
 
+        # A body that rounding alone lifts, at an extreme of the drive, does not move.
+        still = (lanes.y == 0.0) & (lanes.v == 0.0) & ~np.isfinite(step.reach)
+        unmoved = lanes.take(np.flatnonzero(still))
+
         # The order decides: a lane that fails has no other end, and a body that has
         # lain on its side on the way has overturned, even if it ends lower.
-        ended = ~(np.isfinite(step.end.y) & np.isfinite(step.reach))
-        ended |= lanes.steps > batch.most_steps
-        self.finish(lanes, np.flatnonzero(ended), Outcome.FAILED, np.nan)
+        known = np.isfinite(step.end.y) & np.isfinite(step.reach)
+        ended = ~(known & ~np.isnan(step.top)) | (lanes.steps > batch.most_steps)
+        self.finish(lanes, np.flatnonzero(ended & ~still), Outcome.FAILED, np.nan)
+        ended |= still
         fallen = np.flatnonzero((step.top >= equation.limit) & ~ended)
         self.overturn(lanes, fallen)
         ended[fallen] = True
@@ -203,6 +222,11 @@ class Run:
             lanes.put(going.slot, going)
             ended[going.slot] = False
         self._end_in_the_air(lanes, equation, air, ended)
+        if unmoved.cell.size:
+            k = np.minimum(unmoved.segment + 1, len(seg))
+            again = self._to_uplift(unmoved, np.arange(k.size), k, np.zeros(k.size))
+            lanes.put(again.slot, again)
+            ended[again.slot] = False
         if batch.free_fall is not None:
             here = np.flatnonzero(~ended)
             ended[here] = True
@@ -287,10 +311,8 @@ class Run:
         """Return the lanes after impacts h [tau] from now, with velocity v <= 0 and
         force b, without those that the impact finishes.
         """
-        batch, seg = self.batch, self.batch.segments
-        lanes.segment, lanes.phase = place(
-            seg, lanes.segment, lanes.phase + lanes.omega * h
-        )
+        batch, seg, before = self.batch, self.batch.segments, lanes.segment
+        lanes.segment, lanes.phase = place(seg, before, lanes.phase + lanes.omega * h)
         lanes.y = np.zeros(h.size)
         omega, drag = lanes.omega, 2.0 * batch.equation.damping
         batch.contact.impact(batch.cells, lanes, v, b)
@@ -305,7 +327,7 @@ class Run:
                 omega / lanes.omega,
             )
         lanes.impacts += lanes.segment < batch.shaken if batch.equation.damping else 1
-        self._renew_forces(lanes)
+        self._renew_forces(lanes, before)
         if batch.equation.damping:
             self.bounced[lanes.cell[lanes.segment >= batch.shaken]] = True
         for proof in self.proofs:
@@ -326,22 +348,23 @@ class Run:
             resting = resting[observer.may_close(lanes.take(resting))]
         if not resting.size:
             return lanes
-        again = batch.contact.uplift(
-            batch.cells,
-            batch.segments,
-            lanes.cell[resting],
-            lanes.segment[resting],
-            lanes.phase[resting],
-        )
-        lanes.segment[resting], lanes.phase[resting] = again.segment, again.phase
-        lanes.y[resting], lanes.v[resting], lanes.force[resting] = 0.0, 0.0, again.force
-        lanes.moments[:3, resting] = 0.0
-        batch.contact.turn(batch.cells, lanes, resting, again.side)
         self.work.sequences_closed += int(ends[resting].sum())
         self.work.rests_skipped += resting.size
-        settled = resting[again.segment >= len(batch.segments)]
-        self.finish(lanes, settled, Outcome.ROCKED, lanes.peak[settled])
-        return lanes.take(np.flatnonzero(lanes.segment < len(batch.segments)))
+        return self._to_uplift(
+            lanes, resting, lanes.segment[resting], lanes.phase[resting]
+        )
+
+    def _to_uplift(self, lanes: AnyLanes, at: Array, k: Array, u: Array) -> AnyLanes:
+        """Take the lanes `at`, which rest at (k, u), to their next uplift; finish those
+        that nothing lifts any more. Returns the other lanes.
+        """
+        batch = self.batch
+        again = batch.contact.uplift(batch.cells, batch.segments, lanes.cell[at], k, u)
+        lanes.segment[at], lanes.phase[at] = again.segment, again.phase
+        lanes.y[at], lanes.v[at], lanes.force[at] = 0.0, 0.0, again.force
+        lanes.moments[:3, at] = 0.0
+        batch.contact.turn(batch.cells, lanes, at, again.side)
+        return self._at_uplift(lanes, at)
 
     def end_free_fall(self, lanes: AnyLanes) -> AnyLanes:
         """Finish bodies from which the ground has fallen away: overturned if the
@@ -440,15 +463,13 @@ class Run:
         """Mark cells as having lost contact."""
         self.outcome[cell], self.theta_ratio[cell] = Outcome.LOST_CONTACT, np.nan
 
-    def _renew_forces(self, lanes: Lanes) -> None:
-        """Recompute the force of lanes at the start of a segment with a new closed
-        form: the drive may jump there.
+    def _renew_forces(self, lanes: Lanes, before: Array) -> None:
+        """Recompute the force of lanes that have entered a segment with a new closed
+        form, from the segments `before`: the drive may jump there.
         """
-        seg = self.batch.segments
-        at = np.flatnonzero(
-            (lanes.phase == 0.0) & (lanes.segment > 0) & (lanes.segment < len(seg))
-        )
-        self.renew_force(lanes, at[~seg.joins[lanes.segment[at] - 1]])
+        seg, k = self.batch.segments, lanes.segment
+        at = np.flatnonzero((k > before) & (k < len(seg)))
+        self.renew_force(lanes, at[~seg.joins[k[at] - 1]])
 
     def renew_force(self, lanes: Lanes, at: Array) -> None:
         """Recompute the force on the lanes `at`, which are at the start

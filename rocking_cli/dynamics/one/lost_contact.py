@@ -13,6 +13,7 @@ from ..equations.taylor import TaylorSeries
 from ..lanes import Cells, Lanes
 from ..observers.contact_loss import ContactLoss
 from ..observers.observer import Arcs
+from ..outcome import Outcome
 from .lane import Lane
 from .march import march
 from .state import Listener
@@ -67,7 +68,9 @@ def loses_contact(lane: Lane, amplitude: float, most: int) -> bool:
     )
     # March once and keep every arc. Fz is then looked at along all of them together.
     kept = _KeptArcs(loss)
-    march(lane, amplitude, peaks=False, most=most, listener=kept)
+    ended = march(lane, amplitude, peaks=False, most=most, listener=kept)
+    if ended.outcome != Outcome.ROCKED:  # it proves nothing
+        return True
     lanes, flow, reach = _joined(lane, cells, kept.arcs)
     there = flow.at(reach)
     loss.arcs(

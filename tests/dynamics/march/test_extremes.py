@@ -8,10 +8,14 @@ import numpy as np
 import pytest
 from support.documents import built
 from support.references import reference
+from support.synthetic_records import motion_of_samples
 
 from rocking_cli import (
+    LinearEquation,
     Method,
+    Motion,
     Outcome,
+    System,
     cosine,
     dimensionless_oscillator,
     linear_response,
@@ -25,6 +29,9 @@ from rocking_cli import (
     trace_envelope,
 )
 from rocking_cli.dynamics import batch
+from rocking_cli.dynamics.contacts.contact import OneSided
+from rocking_cli.motions import Harmonic, Piece
+from rocking_cli.motions.biaxial import with_vertical
 
 DECIDED = (
     Outcome.NO_UPLIFT,
@@ -299,3 +306,38 @@ def test_denormal_and_huge_inputs_have_an_outcome(grid):
     )
     assert not np.any(found.outcome == Outcome.NOT_COMPUTED)
     assert np.isfinite(found.theta_ratio[found.outcome == Outcome.ROCKED]).all()
+
+
+@pytest.mark.parametrize(("cells", "pool"), [(3, 1), (5000, None)])
+def test_ground_that_falls_away_before_any_uplift_ends_every_cell(cells, pool):
+    """The first cells of the pool end before they begin."""
+    down = Motion("down", (Piece(0.0, 2.0 * math.pi, (Harmonic(1.0, 1.0, math.pi),)),))
+    motion = with_vertical(sine(), down, 3.0)
+    system = System(LinearEquation(), OneSided(), 0.2)
+    amplitude = np.linspace(3.0, 5.0, cells)
+    found = response(system, motion, amplitude, 6.0, -0.5, pool=pool)
+    assert set(found.outcome.tolist()) == {Outcome.LOST_CONTACT}
+
+
+@pytest.mark.parametrize("above", [1, 2, 3])
+def test_a_body_that_rounding_lifts_at_an_extreme_of_the_drive_is_decided(above):
+    """It has no acceleration and a falling drive: its turn and its fall are at once."""
+    for first, second in ((1.0, 0.4), (0.5, 0.2), (1.0, 0.2)):
+        waves = Harmonic(1.0, 1.0), Harmonic(first, 2.0), Harmonic(second, 3.0)
+        motion = Motion("waves", (Piece(0.0, 6.0, waves),))
+        amplitude = 1.0 / motion.largest
+        for _ in range(above):
+            amplitude = np.nextafter(amplitude, 9.0)
+        found = linear_response(motion, amplitude, 1.0, 0.9)
+        assert Outcome(int(found.outcome)) in DECIDED
+        assert found.theta_ratio < 1e-6
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_the_last_sample_of_a_record_may_lift_a_body_by_rounding(seed):
+    samples = np.append(np.random.default_rng(seed).uniform(-1.0, 1.0, 3), 1.17)
+    motion = motion_of_samples(samples, 0.1)
+    for amplitude in (1.0 / motion.largest, np.nextafter(1.0 / motion.largest, 9.0)):
+        found = linear_response(motion, amplitude, 1.0, 0.9)
+        assert Outcome(int(found.outcome)) in DECIDED
+        assert found.theta_ratio == pytest.approx(0.0, abs=1e-12)
