@@ -122,8 +122,8 @@ def sheared(m: Moments, jump: Array, v: Array) -> Array:
     return np.array([yy, yv + turn * yy, vv + turn * (2.0 * yv + turn * yy)])
 
 
-class Law(Protocol):
-    """A law of motion: an equation, alone or with restraints."""
+class Differentiable(Protocol):
+    """A law of motion whose slope is known: an equation, alone or with restraints."""
 
     damping: float  # zeta [-]
 
@@ -132,7 +132,7 @@ class Law(Protocol):
 
 
 def slope_between(
-    law: Law, start: tuple[Any, Any], end: tuple[Any, Any], h: Any
+    law: Differentiable, start: tuple[Any, Any], end: tuple[Any, Any], h: Any
 ) -> Any:
     """Return df/dy in the middle of arcs of duration h between two states (y, v);
     arrays or floats.
