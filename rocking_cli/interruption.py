@@ -3,7 +3,10 @@ never lost.
 
 Python raises KeyboardInterrupt at any point of the program. Inside a callback of a C
 library or a finalizer it prints the exception and goes on. So this module remembers the
-request, long loops ask for it with `check`, and `deferred` keeps a write whole.
+request, long loops ask for it with `check`, and `deferred` keeps a write whole. What
+`threading` builds of locks (conditions, events, futures) stays locked for ever if it is
+left at a wrong moment: the main thread uses it inside `deferred` only, and waits for a
+plain lock.
 """
 
 from __future__ import annotations
@@ -54,14 +57,17 @@ def check() -> None:
 
 @contextmanager
 def deferred() -> Iterator[None]:
-    """Let the block finish: a stop inside it comes at its end."""
+    """Let the block finish: a stop inside it comes at its end, or at that of the block
+    around it.
+    """
     global _deferred
-    _deferred = True
+    before, _deferred = _deferred, True
     try:
         yield
     finally:
-        _deferred = False
-    check()
+        _deferred = before
+    if not before:
+        check()
 
 
 def _stop(number: int, frame: FrameType | None) -> None:

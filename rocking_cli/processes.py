@@ -8,12 +8,14 @@ import sys
 import warnings
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
+from functools import partial
 from itertools import islice
+from threading import Lock
 from typing import Any
 
 from .errors import OutputError, UsageError
-from .interruption import STOPS
+from .interruption import STOPS, deferred
 
 # Forked workers have the task and the imported packages from the start; only items and
 # results travel.
@@ -119,15 +121,24 @@ def processes(
     before, pool, context = set(active_children()), None, get_context(_METHOD)
     reported = None if parts is None else context.Value("d", 0.0)
 
-    def wait(future: "Future[Any]") -> Any:
+    def submit(pool: ProcessPoolExecutor, item: Any) -> "tuple[Future[Any], Lock]":
+        under_way = Lock()
+        under_way.acquire()
+        # A stop would leave the locks of the pool and of the future locked.
+        with deferred():
+            future = pool.submit(_answer, item)
+            future.add_done_callback(lambda _: under_way.release())
+        return future, under_way
+
+    def wait(submitted: "tuple[Future[Any], Lock]") -> Any:
+        future, under_way = submitted
         # On Windows no signal ends a wait that has no end of its own.
-        while not future.done():
-            with suppress(TimeoutError):
-                future.exception(timeout=_POLL)
+        while not under_way.acquire(timeout=_POLL):
             if parts is not None and reported is not None:
                 # The value is read without its lock: a process may have died with it.
                 parts(reported.get_obj().value)
-        return future.result()
+        with deferred():
+            return future.result()
 
     try:
         try:
@@ -146,10 +157,10 @@ def processes(
                 f"{workers} worker processes cannot be started:"
                 f" {error.strerror or error}; {advice}"
             ) from None
-        crew, submit = set(active_children()) - before, pool.submit
+        crew = set(active_children()) - before
         try:
             yield lambda items: in_order(
-                lambda item: submit(_answer, item), wait, items, _AHEAD * workers
+                partial(submit, pool), wait, items, _AHEAD * workers
             )
         except BrokenProcessPool:
             pool.shutdown()

@@ -69,3 +69,49 @@ def test_nohup_is_heeded_and_ctrl_break_of_windows_stops(code, said):
         [sys.executable, "-c", code], capture_output=True, text=True, check=True
     )
     assert done.stdout == f"{said}\n"
+
+
+INSIDE_A_LOCK = """
+import signal, sys, threading
+from rocking_cli import interruption
+from rocking_cli.commands.progress import reporting
+from rocking_cli.processes import processes
+
+entered, calls, main = threading.Condition.__enter__, 0, threading.get_ident()
+
+def stopped(condition):
+    "Enter; the call of this number in the main thread is stopped just inside."
+    global calls
+    locked = entered(condition)
+    if threading.get_ident() == main:
+        calls += 1
+        if calls == int(sys.argv[1]):
+            signal.raise_signal(signal.SIGTERM)
+    return locked
+
+interruption.listen()
+threading.Condition.__enter__ = stopped
+try:
+    with reporting(), processes(2, abs, "") as run:
+        print(sum(run(range(40))))
+except KeyboardInterrupt:
+    print("stopped")
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(sys.platform != "linux", reason="forks")
+def test_a_stop_in_any_condition_of_the_main_thread_leaves_none_locked():
+    """A lock that is left locked has the threads of the pool wait for ever."""
+    seen = set()
+    for number in (*range(1, 16), 30, 60, 90, 10_000):
+        done = subprocess.run(
+            [sys.executable, "-c", INSIDE_A_LOCK, str(number)],
+            capture_output=True,
+            text=True,
+            timeout=60.0,
+            check=True,
+        )
+        assert not done.stderr
+        seen.add(done.stdout)
+    assert seen == {"stopped\n", "780\n"}

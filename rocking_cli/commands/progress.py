@@ -10,9 +10,10 @@ import math
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
-from threading import Event, Thread
+from threading import Lock, Thread
 from time import monotonic
 
+from ..interruption import deferred
 from . import streams
 from .printing import is_quiet
 
@@ -68,20 +69,22 @@ def reporting() -> Iterator[None]:
     --quiet."""
     global _reporter
     streams.silent = False
-    reporter, stop = _Reporter(), Event()
+    reporter, running = _Reporter(), Lock()
+    running.acquire()
 
     def run() -> None:
-        while not stop.wait(_TICK):
+        while not running.acquire(timeout=_TICK):
             reporter.tick()
 
     _reporter = reporter
     thread = Thread(target=run, name="progress", daemon=True)
-    thread.start()
+    with deferred():
+        thread.start()
     try:
         yield
     finally:
         _reporter = None
-        stop.set()
+        running.release()
         thread.join()
         streams.erase()
 
