@@ -1,5 +1,5 @@
-"""The march on floats against the march on arrays, on random cells of which many lie
-near a change of the outcome.
+"""The march on floats against the march on arrays, or the march on arrays against that
+of an older package, on random cells of which many lie near a change of the outcome.
 
 `PYTHONPATH=tests python tests/bench/compare_marches.py --cells 100000 --seed 1` draws
 scenes, each a body under a motion: every kind of edge, both equations, arches,
@@ -10,11 +10,15 @@ differ are computed again with tolerance 1e-13 by both marches, at five amplitud
 within 2e-12, and listed. So are cells whose rotations differ by more than 1e-8 (a few
 of each scene): they count as `conditioned` if the march on floats is within 1e-9 times
 1 + d theta/d ln A of the finer one. `--only` is a pattern of kinds and motions, such as
-`arch` or `plain.*record`.
+`arch` or `plain.*record`. With `--base DIR` the package in DIR takes the place of the
+march on floats, in a process of its own.
 """
 
 import argparse
+import os
+import pickle
 import re
+import subprocess
 import sys
 import time
 from collections import Counter
@@ -218,6 +222,63 @@ def cells_of(
     return a, row, code, ratio, close
 
 
+class Other:
+    """Answers of the march on floats of this package or, with a folder, of the march on
+    arrays of the package there.
+    """
+
+    def __init__(self, folder: str) -> None:
+        self.name, self.seconds, self._process = "floats", 0.0, None
+        if folder:
+            self.name = "base"
+            paths = [folder, *sys.path[:1], *os.environ["PYTHONPATH"].split(":")]
+            self._process = subprocess.Popen(
+                [sys.executable, __file__, "--serve"],
+                stdin=subprocess.PIPE,
+                stdout=subprocess.PIPE,
+                env={**os.environ, "PYTHONPATH": ":".join(paths)},
+            )
+
+    def answers(
+        self, number: int, tolerance: float, a: np.ndarray, row: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """(outcomes, rotations) of cells of the scene of this number."""
+        begun = time.process_time()
+        if self._process is None:
+            one = scene(number)
+            found = response(
+                one.system(tolerance),
+                one.motion,
+                a,
+                one.omega[row],
+                one.eta[row],
+                how="floats",
+            )
+            self.seconds += time.process_time() - begun
+            return found.outcome, found.theta_ratio
+        pickle.dump((number, tolerance, a, row), self._process.stdin)
+        self._process.stdin.flush()
+        code, ratio, seconds = pickle.load(self._process.stdout)
+        self.seconds += seconds
+        return code, ratio
+
+
+def serve() -> None:
+    """Answer each question of `Other` that comes on standard input."""
+    while True:
+        try:
+            number, tolerance, a, row = pickle.load(sys.stdin.buffer)
+        except EOFError:
+            return
+        one, begun = scene(number), time.process_time()
+        found = response(
+            one.system(tolerance), one.motion, a, one.omega[row], one.eta[row]
+        )
+        seconds = time.process_time() - begun
+        pickle.dump((found.outcome, found.theta_ratio, seconds), sys.stdout.buffer)
+        sys.stdout.buffer.flush()
+
+
 def differing(
     one: np.ndarray, other: np.ndarray, x: np.ndarray, y: np.ndarray
 ) -> np.ndarray:
@@ -228,34 +289,37 @@ def differing(
 
 
 def explained(
-    one: Scene, a: float, row: int, floats: Found, arrays: Found
+    number: int, a: float, row: int, found: Found, arrays: Found, other: Other
 ) -> tuple[str, str]:
     """(a word for a difference, what both marches find with tolerance 1e-13)."""
+    one = scene(number)
     system = one.system(1e-13)
     around = a * (1.0 + 1e-12 * np.arange(-2, 3))
     cells = one.motion, around, one.omega[row], one.eta[row]
-    fine = [response(system, *cells, how=how) for how in ("floats", "arrays")]
-    codes = [found.outcome.tolist() for found in fine]
+    mine = response(system, *cells, how="arrays")
+    codes, _ = other.answers(number, 1e-13, around, np.full(5, row))
     told = (
         f"{one.name}: A {a!r} Omega {float(one.omega[row])!r} eta"
-        f" {float(one.eta[row])!r}: floats {floats}, arrays {arrays}; at 1e-13 floats"
-        f" {codes[0]}, arrays {codes[1]}"
+        f" {float(one.eta[row])!r}: {other.name} {found}, arrays {arrays}; at 1e-13"
+        f" {other.name} {codes.tolist()}, arrays {mine.outcome.tolist()}"
     )
-    if floats[0] != arrays[0]:
-        every = {x for found in codes for x in found}
+    if found[0] != arrays[0]:
+        every = {*codes.tolist(), *mine.outcome.tolist()}
         if len(every) > 1:
             return "outcome nobody knows", told
-        return f"outcome {'arrays' if floats[0] in every else 'FLOATS'} wrong", told
-    at, width = fine[1].theta_ratio[2], 1e-9
+        wrong = "arrays" if found[0] in every else other.name.upper()
+        return f"outcome {wrong} wrong", told
+    at, width = mine.theta_ratio[2], 1e-9
     near = np.array([1.0 - width, 1.0 + width])
     beside = response(system, one.motion, a * near, *cells[2:]).theta_ratio
     condition = float(np.nanmax(np.abs(beside - at)) / width)
-    errors = [abs(found[1] - at) for found in (floats, arrays)]
-    nearer = "floats" if errors[0] < errors[1] else "arrays"
+    errors = [abs(x[1] - at) for x in (found, arrays)]
+    nearer = other.name if errors[0] < errors[1] else "arrays"
     told += (
         f" {at:.12g} condition {condition:.2g} errors {errors[0]:.1e} {errors[1]:.1e}"
     )
-    if errors[0] <= 1e-9 * (1.0 + condition):
+    # The march on floats is on trial, or that on arrays against an older one.
+    if errors[other.name == "base"] <= 1e-9 * (1.0 + condition):
         return f"rotation conditioned, {nearer} nearer", told
     return f"rotation, {nearer} nearer", told
 
@@ -265,9 +329,14 @@ def main() -> None:
     parser.add_argument("--cells", type=int, default=20_000)
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--only", default="")
+    parser.add_argument("--base", default="")
+    parser.add_argument("--serve", action="store_true")
     asked = parser.parse_args()
+    if asked.serve:
+        serve()
+        return
     counts, near, listed = Counter(), 0, Counter()
-    spent = {"floats": 0.0, "arrays": 0.0}
+    other, spent = Other(asked.base), 0.0
     number = asked.seed * 1_000_000
     while counts.total() < asked.cells:
         one, number = scene(number), number + 1
@@ -276,14 +345,10 @@ def main() -> None:
         system = one.system(1e-9)
         begun = time.process_time()
         a, row, code, ratio, close = cells_of(one, system)
-        between = time.process_time()
+        spent += time.process_time() - begun
         if not a.size:
             continue
-        found = response(
-            system, one.motion, a, one.omega[row], one.eta[row], how="floats"
-        )
-        spent["arrays"] += between - begun
-        spent["floats"] += time.process_time() - between
+        codes, ratios = other.answers(number - 1, 1e-9, a, row)
         counts[
             re.sub(" under .*", "", one.name)
             + " "
@@ -291,13 +356,15 @@ def main() -> None:
         ] += a.size
         near += int(close.sum())
         print(f"\r{counts.total():,} cells", end="", file=sys.stderr, flush=True)
-        same = found.outcome == code
-        apart = differing(found.outcome, code, found.theta_ratio, ratio)
+        same = codes == code
+        apart = differing(codes, code, ratios, ratio)
         some = np.flatnonzero(apart & same)
         for i in [*np.flatnonzero(apart & ~same), *some[:LOOKED_AT]]:
-            floats = int(found.outcome[i]), float(found.theta_ratio[i])
+            found = int(codes[i]), float(ratios[i])
             arrays = int(code[i]), float(ratio[i])
-            word, told = explained(one, float(a[i]), int(row[i]), floats, arrays)
+            word, told = explained(
+                number - 1, float(a[i]), int(row[i]), found, arrays, other
+            )
             listed[word] += 1
             if "conditioned" not in word:
                 print(f"{number - 1} {word}: {told}", flush=True)
@@ -306,7 +373,7 @@ def main() -> None:
         print(f"{n:9,} {kind}")
     print(f"{counts.total():,} cells, {near:,} within 1 % of a change of the outcome")
     print("differences:", dict(listed) or "none")
-    print("processor seconds:", {k: round(v, 1) for k, v in spent.items()})
+    print(f"processor seconds: {other.name} {other.seconds:.1f}, arrays {spent:.1f}")
 
 
 if __name__ == "__main__":
