@@ -29,7 +29,7 @@ from support.bodies import ARCH, random_body
 from support.synthetic_records import motion_of_samples
 
 from rocking_cli import Method, Motion, System, pulse, response, sine
-from rocking_cli.dynamics.outcome import safe
+from rocking_cli.dynamics.outcome import Outcome, safe
 from rocking_cli.motions import Harmonic, Piece
 from rocking_cli.motions.biaxial import with_vertical
 
@@ -271,11 +271,15 @@ def serve() -> None:
         except EOFError:
             return
         one, begun = scene(number), time.process_time()
-        found = response(
-            one.system(tolerance), one.motion, a, one.omega[row], one.eta[row]
-        )
+        system = one.system(tolerance)
+        try:
+            found = response(system, one.motion, a, one.omega[row], one.eta[row])
+            codes, ratios = found.outcome, found.theta_ratio
+        except Exception as error:  # of an older package, which is said
+            print(f"{number}: {error!r}", file=sys.stderr)
+            codes, ratios = np.full(a.size, Outcome.FAILED), np.full(a.size, np.nan)
         seconds = time.process_time() - begun
-        pickle.dump((found.outcome, found.theta_ratio, seconds), sys.stdout.buffer)
+        pickle.dump((codes, ratios, seconds), sys.stdout.buffer)
         sys.stdout.buffer.flush()
 
 
