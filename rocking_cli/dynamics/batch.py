@@ -89,15 +89,14 @@ class Batch(NamedTuple):
         segments: Segments,
         amplitude: Array,
         omega: Array,
-        eta: Array,
         peaks: bool = True,
         first: Array | None = None,
     ) -> Self:
-        """The batch of cells (A, Omega, eta), each (cells,), under a motion. Raises
-        ArgumentError when an eta does not fit the contact.
+        """The batch of cells (A, Omega), each (cells,), under a motion. Raises
+        ArgumentError if the restitution is not known.
         """
         equation, shaken = system.equation, len(segments)
-        cells = system.contact.cells(equation, amplitude, omega, eta)
+        cells = system.contact.cells(equation, amplitude, omega)
         if equation.damping and omega.size:
             segments = segments.followed_by_rest(
                 SETTLING * (1.0 + 3.0 * equation.damping) * float(cells.omega.max())

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
 TOLERANCE = 1e-9
 CHECKED_BY = "an independent solver"  # the slower one of `reference_of`
-Reference = Callable[["Motion", float, float, float], tuple["Outcome", float]]
+Reference = Callable[["Motion", float, float], tuple["Outcome", float]]
 
 
 class EquationKind(NamedTuple):
@@ -115,7 +115,7 @@ class Method:
     --------
     >>> (column,) = load_structures("configs/block.yaml")
     >>> system = Method("nonlinear", tolerance=1e-10).system_of(column)
-    >>> found = response(system, sine(), 1.5, 6.0, column.eta)
+    >>> found = response(system, sine(), 1.5, 6.0)
     >>> f"{float(found.theta_ratio):.6f}"
     '0.156450'
     >>> Method().exact, Method("nonlinear").serves(dimensionless_oscillator(eta=0.9))
@@ -295,7 +295,7 @@ class Method:
         Returns
         -------
         function
-            of (motion, A, Omega, eta), which returns (outcome, theta_ratio)
+            of (motion, A, Omega), which returns (outcome, theta_ratio)
 
         Raises
         ------
@@ -414,9 +414,9 @@ def direction_in_words(
 def contact_of(structure: RockingParameters, equation: Equation) -> Contact:
     """The contact of a structure under an equation."""
     if structure.one_sided:
-        return OneSided()
+        return OneSided(structure.eta)
     if not structure.sides:
-        return Symmetric()
+        return Symmetric(structure.eta)
     left, right = structure.sides
     there = equation.on(np.array([1.0, -1.0]))
     turns, lifts = (

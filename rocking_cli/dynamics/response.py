@@ -19,7 +19,7 @@ from .system import System
 if TYPE_CHECKING:
     from .tied.tied_lanes import Found
 
-CellInputs = tuple[Array, Array, Array]  # A, Omega and eta, of one shape
+CellInputs = tuple[Array, Array]  # A and Omega, of one shape
 
 
 class Response(NamedTuple):
@@ -114,7 +114,7 @@ def response(
     motion: AnyMotion,
     amplitude: Array | float,
     omega: Array | float,
-    eta: Array | float,
+    eta: Array | float | None = None,
     *,
     peaks: bool = True,
     how: str = "arrays",
@@ -137,8 +137,8 @@ def response(
     omega
         Omega = omega_g / p [-], finite, positive
     eta
-        restitution [-], within [0, 1], of a one-sided body within (-1, 0]; not used if
-        the edges have restitutions of their own
+        restitution [-] in place of that of the system, within [0, 1], of a one-sided
+        body within (-1, 0]; not used if the edges have restitutions of their own
     peaks
         False computes the outcome only; theta_ratio is then NaN
     how
@@ -156,7 +156,7 @@ def response(
     Raises
     ------
     ArgumentError
-        for a number out of range
+        for a number out of range, or if neither `eta` nor the system has a restitution
 
     Notes
     -----
@@ -167,12 +167,12 @@ def response(
     --------
     >>> (column,) = load_structures("configs/block.yaml")
     >>> system = Method("nonlinear").system_of(column)
-    >>> found = response(system, sine(), 1.5, 6.0, column.eta)
+    >>> found = response(system, sine(), 1.5, 6.0)
     >>> Outcome(int(found.outcome)).flag, round(float(found.theta_ratio), 6)
     ('rocked', 0.15645)
     """
     motion = motion_from(motion)
-    shape, cells = _flat(amplitude, omega, eta)
+    system, shape, cells = _flat(system, amplitude, omega, eta)
     if not (np.all(np.isfinite(cells[0])) and np.all(cells[0] >= 0.0)):
         raise ArgumentError("amplitude must be finite and not negative")
     if not (np.all(np.isfinite(cells[1])) and np.all(cells[1] > 0.0)):
@@ -214,6 +214,9 @@ def _one_by_one(
     """
     from .one.one_by_one import OneByOne
 
+    eta = system.contact.eta
+    if isinstance(eta, np.ndarray):  # of each cell
+        return _of_each_restitution(system, motion, cells, shape, peaks)
     # The peaks may prove that Fz > 0.
     prove = bool(np.any(cells[0] > system.safe_amplitude(motion)))
     segments = system.segments(motion.coarsest)
@@ -223,7 +226,7 @@ def _one_by_one(
 
     failed = np.flatnonzero(outcome == Outcome.FAILED)
     if failed.size:
-        again = response(system, motion, *_of(cells, failed), peaks=peaks)
+        again = response(system, motion, *(x[failed] for x in cells), peaks=peaks)
         outcome[failed], impacts[failed] = again.outcome, again.impacts_at_least
         theta_ratio[failed] = again.theta_ratio
         condition[failed] = again.condition
@@ -248,24 +251,59 @@ def _one_by_one(
     )
 
 
-def _flat(*numbers: Array | float) -> tuple[tuple[int, ...], CellInputs]:
-    """(shape, flat cells) of A, Omega and eta broadcast against each other. Raises
-    ArgumentError for shapes that do not fit.
+def _of_each_restitution(
+    system: System,
+    motion: Motion,
+    cells: CellInputs,
+    shape: tuple[int, ...],
+    peaks: bool,
+) -> Response:
+    """`_one_by_one` of cells with restitutions of their own."""
+    eta = system.contact.eta
+    order = np.argsort(eta, kind="stable")
+    _, firsts = np.unique(eta[order], return_index=True)
+    parts = [
+        _one_by_one(
+            system.with_restitution(float(eta[at[0]])),
+            motion,
+            (cells[0][at], cells[1][at]),
+            at.shape,
+            peaks,
+        )
+        for at in np.split(order, firsts[1:])
+        if at.size
+    ]
+    *found, work = Response.joined(parts)
+    place = np.argsort(order)
+    return Response._make([*(x[place].reshape(shape) for x in found), work])
+
+
+def _flat(
+    system: System,
+    amplitude: Array | float,
+    omega: Array | float,
+    eta: Array | float | None = None,
+) -> tuple[System, tuple[int, ...], CellInputs]:
+    """(system with this eta, shape, flat cells) of A, Omega and eta broadcast against
+    each other. Raises ArgumentError for shapes that do not fit, and for an eta out of
+    range.
     """
-    arrays = [np.asarray(x, dtype=float) for x in numbers]
+    given = amplitude, omega, *(() if eta is None else (eta,))
+    arrays = [np.asarray(x, dtype=float) for x in given]
     try:
-        amplitude, omega, eta = np.broadcast_arrays(*arrays)
+        amplitude, omega, *own = np.broadcast_arrays(*arrays)
     except ValueError:
         shapes = ", ".join(str(x.shape) for x in arrays)
         raise ArgumentError(
             f"`amplitude`, `omega`, `eta`: found the shapes {shapes}; expected shapes"
             " that NumPy broadcasts against each other"
         ) from None
-    return amplitude.shape, (amplitude.ravel(), omega.ravel(), eta.ravel())
-
-
-def _of(cells: CellInputs, at: Array | slice) -> CellInputs:
-    return cells[0][at], cells[1][at], cells[2][at]
+    if own:
+        single = arrays[-1].ndim == 0
+        system = system.with_restitution(
+            float(arrays[-1]) if single else own[0].ravel()
+        )
+    return system, amplitude.shape, (amplitude.ravel(), omega.ravel())
 
 
 def _response(
@@ -352,7 +390,7 @@ def cells_that_lose_contact(
 
 
 def response_with_speed(
-    system: System, motion: Motion, amplitude: Array, omega: Array, eta: Array | float
+    system: System, motion: Motion, amplitude: Array, omega: Array
 ) -> tuple[Response, Array]:
     """(`response`, the largest |d theta/d tau|/alpha [-] under straight lines, tau = p
     t), the second NaN where theta_ratio is NaN. If the edges differ, alpha and p are
@@ -365,7 +403,7 @@ def response_with_speed(
             "found ties or a tendon; expected a body without them, whose largest speed"
             " is computed"
         )
-    shape, cells = _flat(amplitude, omega, eta)
+    _, shape, cells = _flat(system, amplitude, omega)
     batch = _batch(system, motion, cells, peaks=True)
     speed = PeakSpeed(batch)
     run = _marched(system, motion, cells, batch, speed)
@@ -380,7 +418,6 @@ def response_under_records(
     which: Array,
     amplitude: Array,
     omega: Array,
-    eta: Array,
 ) -> tuple[Response, Array]:
     """As `response_with_speed`, for each cell under the record whose index is in
     `which`, (cells,); it does not test for lost contact. `chains` must be True for
@@ -389,7 +426,7 @@ def response_under_records(
     from .observers.peak_speed import PeakSpeed
 
     chain = Chain.of([record.coarsest.segments for record in records])
-    batch = Batch.of(system, chain, amplitude, omega, eta, first=chain.first[which])
+    batch = Batch.of(system, chain, amplitude, omega, first=chain.first[which])
     speed = PeakSpeed(batch)
     run = Run(batch, observers=[speed])
     run.all()
@@ -447,7 +484,7 @@ def linear_response(
     Raises
     ------
     ArgumentError
-        for a number out of range
+        for a number out of range, or if neither `eta` nor the system has a restitution
 
     Notes
     -----

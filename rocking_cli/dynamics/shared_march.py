@@ -27,7 +27,6 @@ class SharedMarch:
         self.systems = [
             method.system_of(s) for s, method in zip(structures, methods, strict=True)
         ]
-        self.eta = np.array([s.eta for s in structures])  # restitution of each [-]
         # A of each up to which contact with the ground is proved [-], (structures,)
         self.safe_amplitude = np.array(
             [system.safe_amplitude(motion) for system in self.systems]
@@ -37,7 +36,7 @@ class SharedMarch:
         # number of the group of each structure that shares a march, (structures,)
         self.group = np.array(
             [
-                groups.setdefault(system.key(mixed), len(groups))
+                groups.setdefault(system.march_key(mixed), len(groups))
                 for system in self.systems
             ]
         )
@@ -82,5 +81,4 @@ class SharedMarch:
         if np.all(amplitude <= self.safe_amplitude[which]):
             system = system._replace(body=None)  # no body loses contact
         how = cheaper(system, self.motion, which.size) if own.size == 1 else "arrays"
-        cells = (amplitude, omega, self.eta[which])
-        return response(system, self.motion, *cells, peaks=peaks, how=how)
+        return response(system, self.motion, amplitude, omega, peaks=peaks, how=how)

@@ -29,7 +29,7 @@ class System(NamedTuple):
     equation
         the equation of motion
     contact
-        the contact, `Symmetric` unless given
+        the contact with its restitution, `Symmetric` unless given
     scale
         alpha/a_scale, the ground acceleration over g of A = 1 [-]
     body
@@ -67,7 +67,7 @@ class System(NamedTuple):
         Parameters
         ----------
         systems
-            whose `key` with `mixed` is the same
+            whose `march_key` is the same
         counts
             number of cells of each system, (systems,)
 
@@ -91,21 +91,54 @@ class System(NamedTuple):
             scale=None if first.scale is None else np.repeat(scales, counts),
         )
 
-    def key(self, mixed: bool = False) -> Hashable:
-        """Return a key that is made of all fields of the system and of its parts.
+    def with_restitution(self, eta: Any) -> Self:
+        """Return the system with another restitution.
 
         Parameters
         ----------
-        mixed
-            False: systems of equal keys are the same system. True: their cells may
-            share a march under a motion without a vertical part (`of_each_cell`); they
-            differ in numbers that the march has for each cell
+        eta
+            restitution [-], a number or (cells,), within [0, 1], of a one-sided body
+            within (-1, 0]; not used if the edges have restitutions of their own
+
+        Returns
+        -------
+        System
+
+        Raises
+        ------
+        ArgumentError
+            for a restitution out of range
+        """
+        return self._replace(contact=self.contact.with_restitution(eta))
+
+    def key(self) -> Hashable:
+        """Return a key that is made of all fields of the system and of its parts:
+        systems of equal keys are the same system.
 
         Returns
         -------
         tuple
         """
-        return _key(self, mixed and self.devices is None)
+        return _key(self, False)
+
+    def march_key(self, mixed: bool) -> Hashable:
+        """Return a key: cells of systems of equal keys may share a march
+        (`of_each_cell`).
+
+        Parameters
+        ----------
+        mixed
+            True if they may differ in all numbers that the march has for each cell,
+            which it has under a motion without a vertical part for bodies without ties
+            and tendon; False: in the restitution alone
+
+        Returns
+        -------
+        tuple
+        """
+        if mixed and self.devices is None:
+            return _key(self, True)
+        return self.with_restitution(None).key()
 
     @property
     def alike(self) -> bool:
@@ -154,12 +187,7 @@ class System(NamedTuple):
             )
         from .weighed_drive import weighed
 
-        share = (
-            self.scale
-            / self.contact.cells(
-                self.equation, np.ones(1), np.ones(1), np.zeros(1)
-            ).amplitude[:, 0]
-        )
+        share = self.scale / self.contact.amplitudes(self.equation, np.ones(1))[:, 0]
         return weighed(motion, float(share[0]), float(share[-1]))
 
     def safe_amplitude(self, motion: Motion) -> Any:
@@ -203,10 +231,10 @@ class System(NamedTuple):
             A [-] at which the body lifts off or the ground falls away; infinite if
             there is none
         """
-        one = self.contact.cells(self.equation, np.ones(1), np.ones(1), np.zeros(1))
+        one = self.contact.amplitudes(self.equation, np.ones(1))
         segments = self.segments(motion)
         if self.devices is not None:
-            one = one._replace(amplitude=one.amplitude / self.devices.held_at_first())
+            one = one / self.devices.held_at_first()
         strongest = float(self.contact.strongest(one, segments)[0])
         # w < 0 above 1/|w - 1| of A = 1, also where a wall holds the body
         if (weighed := segments.weighed) is not None:
@@ -215,7 +243,7 @@ class System(NamedTuple):
                 1.0
                 - float(
                     weighed.least_weight(
-                        np.ones(1), one.amplitude[0], np.zeros(1, dtype=np.int64)
+                        np.ones(1), one[0], np.zeros(1, dtype=np.int64)
                     )[0]
                 ),
             )

@@ -51,13 +51,10 @@ class ScanPoints(NamedTuple):
 
 @dataclass(frozen=True)
 class Search:
-    """The outcomes of a model with one restitution under one motion, up to an
-    amplitude.
-    """
+    """The outcomes of a system under one motion, up to an amplitude."""
 
     system: System  # the system whose outcomes are searched
     motion: Motion  # the motion of the ground
-    eta: float  # restitution [-]
     a_max: float  # last amplitude of the search [-]
     # ratio of neighbouring amplitudes of the scan minus 1 [-], in place of SCAN_STEP
     # and of the finer scan; 0 for those
@@ -89,9 +86,7 @@ class Search:
         return ImpulseBound.of(self.system.equation, cells, self.motion.segments)
 
     def _cells(self, amplitude: Array, omega: Array) -> Cells:
-        return self.system.contact.cells(
-            self.system.equation, amplitude, omega, np.full(omega.shape, self.eta)
-        )
+        return self.system.contact.cells(self.system.equation, amplitude, omega)
 
     def outcome(self, amplitude: Array, omega: Array) -> Array:
         """Compute the response at these amplitudes: codes of `Outcome`, with ROCKED in
@@ -101,9 +96,7 @@ class Search:
 
     def respond(self, amplitude: Array, omega: Array) -> tuple[Array, Array]:
         """(codes of `Outcome`, number of impacts until the outcome was certain)."""
-        found = response(
-            self.system, self.motion, amplitude, omega, self.eta, peaks=False
-        )
+        found = response(self.system, self.motion, amplitude, omega, peaks=False)
         return lifted(found.outcome), found.impacts_at_least
 
     def rows(self, omegas: Array) -> list[OutcomeSteps]:
@@ -173,7 +166,7 @@ class Search:
             return self._compute(row, amplitude, omegas)
         label, first = proved_outcomes(
             lambda row, ends: outcomes_of_stretches(
-                self.system, self.motion, self.eta, omegas[row], ends
+                self.system, self.motion, omegas[row], ends
             ),
             row,
             amplitude,

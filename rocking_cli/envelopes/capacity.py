@@ -87,7 +87,6 @@ class CapacitySearch(NamedTuple):
             self.method.system_of(self.structure),
             self.motion,
             self.omega,
-            self.structure.eta,
             digits,
         )
 

@@ -249,8 +249,7 @@ def _scan_of(
     system = method.system_of(structure)
     factors = (1.0,) if system.alike else SIGNS[sign]
     searches = [
-        Search(system, motion.scaled(f) if f < 0.0 else motion, structure.eta, a_max)
-        for f in factors
+        Search(system, motion.scaled(f) if f < 0.0 else motion, a_max) for f in factors
     ]
     lowest = min(search.uplift for search in searches)
     if not np.isfinite(a_max) or a_max <= lowest < np.inf:

@@ -66,17 +66,13 @@ class FallSearch:
     )
 
     @classmethod
-    def of(
-        cls, system: System, motion: Motion, omega: float, eta: float, digits: float
-    ) -> Self:
+    def of(cls, system: System, motion: Motion, omega: float, digits: float) -> Self:
         """Set up the search for the lowest overturning amplitude of one body at one
         Omega.
         """
 
         def by_march(amplitude: Array, how: str) -> Array:
-            found = response(
-                system, motion, amplitude, omega, eta, peaks=False, how=how
-            )
+            found = response(system, motion, amplitude, omega, peaks=False, how=how)
             return ~safe(found.outcome)
 
         def falls(amplitude: Array) -> Array:
@@ -98,9 +94,7 @@ class FallSearch:
             from .scan import Scan
 
             scan = (
-                Scan(system, motion, omega, eta)
-                if Scan.supports(system, motion)
-                else None
+                Scan(system, motion, omega) if Scan.supports(system, motion) else None
             )
         return cls(falls, approximate_falls, digits, scan, system.devices is not None)
 

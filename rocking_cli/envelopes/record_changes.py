@@ -83,7 +83,7 @@ def _scanned_first(
     """`steps_under_records` of searches that can be scanned."""
     # The scan: the grids, and the changes between their amplitudes.
     scans = [
-        Scan(search.system, search.motion, omega, search.eta, closely=True)
+        Scan(search.system, search.motion, omega, closely=True)
         for *_, search, omega in asked
     ]
     grids = [
@@ -140,7 +140,7 @@ def _marched(asked: Sequence[RecordSearch], row: Array, amplitude: Array) -> Arr
     runs: dict[object, list[int]] = {}
     for i, one in enumerate(asked):
         together = chains(one.search.system, one.search.motion)
-        key = one.system.key(mixed=True)
+        key = one.system.march_key(mixed=True)
         runs.setdefault((key,) if together else i, []).append(i)
     for own in runs.values():
         at = np.flatnonzero(np.isin(row, own))
@@ -160,21 +160,20 @@ def _in_one_run(asked: Sequence[RecordSearch], of: Array, amplitude: Array) -> A
     system = System.of_each_cell([one.system for one in asked], counts)
     motions = list({id(one.search.motion): one.search.motion for one in asked}.values())
     numbers = {id(motion): number for number, motion in enumerate(motions)}
-    which, omega, eta, alpha = (
+    which, omega, alpha = (
         np.repeat(of_each, counts)
         for of_each in (
             [numbers[id(one.search.motion)] for one in asked],
             [one.omega for one in asked],
-            [one.search.eta for one in asked],
             [one.structure.alpha for one in asked],
         )
     )
-    got, rate = response_under_records(system, motions, which, amplitude, omega, eta)
+    got, rate = response_under_records(system, motions, which, amplitude, omega)
 
     rate = rate * alpha
     for i, one in enumerate(asked):
         at = np.flatnonzero(of == i)
-        cells = amplitude[at], omega[at], eta[at]
+        cells = amplitude[at], omega[at]
         lost = _lost(one.search, cells, got, rate, at)
         got.outcome[at[lost]] = Outcome.LOST_CONTACT
     return lifted(got.outcome)
@@ -201,7 +200,6 @@ def _outcomes(one: RecordSearch, amplitude: Array, how: str) -> Array:
             search.motion,
             amplitude,
             one.omega,
-            search.eta,
             peaks=False,
             how=how,
         ).outcome

@@ -63,12 +63,11 @@ class Scan(Followed):
         system: System,
         motion: Motion,
         omega: float,
-        eta: float,
         *,
         closely: bool = False,
     ) -> None:
         """closely: True to follow short lines as accurately as long ones."""
-        self.lane = lane = Lane(system, system.segments(motion.coarsest), omega, eta)
+        self.lane = lane = Lane(system, system.segments(motion.coarsest), omega)
         self.edges = list(lane.edges(1.0).values())
         # Lines as long as a sample, or as `_JOINED` or `_LONGEST` allow.
         tau = min(edge.omega for edge in self.edges)  # phase in a unit of tau
@@ -141,9 +140,9 @@ class Scan(Followed):
 
         system, lanes = self.lane.system, found.amplitude.size
         assert system.body is not None  # the safe amplitude of others is infinite
-        omega, eta = self.lane.omega.repeat(lanes), self.lane.eta.repeat(lanes)
+        omega = self.lane.omega.repeat(lanes)
         segments = system.segments(self.motion)
-        batch = Batch.of(system, segments, found.amplitude, omega, eta, peaks=False)
+        batch = Batch.of(system, segments, found.amplitude, omega, peaks=False)
         first = system.equation.on(np.ones(lanes))
         turned = first.rotation(found.peak)
         fastest = first.rotation_rate(found.peak, found.speed)

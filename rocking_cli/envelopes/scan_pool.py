@@ -379,7 +379,6 @@ class ScanPool:
                 equation,
                 self.amplitude[i],
                 np.broadcast_to(lane.omega, i.shape),
-                np.broadcast_to(lane.eta, i.shape),
             )
             lanes = lane.lanes(cells, self.scans[0].edges[side].side)
             free = contact.free_motion(

@@ -76,14 +76,14 @@ class AmplitudeStretches:
     """Stretches of amplitudes, each at one Omega, of one system under a motion."""
 
     def __init__(
-        self, system: System, motion: Motion, eta: float, omega: Array, ends: Array
+        self, system: System, motion: Motion, omega: Array, ends: Array
     ) -> None:
         """omega: Omega of each stretch; ends: its least and its largest A,
         (2, stretches).
         """
         self.system, self.motion = system, motion
         self.ends = ends
-        self.dimensionless = omega, np.full(omega.size, eta)
+        self.steps = _steps(float(omega.min()))  # over half a cycle
         # The first half cycle lifts the body onto the side against which it pushes.
         self.side = np.full(
             omega.size, -np.sign(motion.pieces[0].harmonics[0].amplitude)
@@ -93,9 +93,7 @@ class AmplitudeStretches:
         self.both = system.equation  # of both sides
         self.equation = self.both.on(self.side)
         self.safe_to = system.safe_amplitude(motion)  # up to it none loses the ground
-        low, high = (
-            system.contact.cells(system.equation, a, *self.dimensionless) for a in ends
-        )
+        low, high = (system.contact.cells(system.equation, a, omega) for a in ends)
         at = low.row(self.side), np.arange(omega.size)
         # A over that of uplift onto this side, Omega and eta of this side
         self.least, self.largest = low.amplitude[at], high.amplitude[at]
@@ -123,7 +121,7 @@ class AmplitudeStretches:
         start = np.arcsin(1.0 / np.maximum(self.least, 1.0))
         path, course = self._at_uplift(start), _BoundsSoFar.of(start.size)
         growth = np.sqrt(self._rate(1.0, 1.0))
-        steps = _steps(float(self.dimensionless[0].min()))
+        steps = self.steps
         valid = (self.least > 1.0 + 1e-9) & (
             growth * np.pi <= _LONGEST * steps * self.omega
         )
@@ -358,7 +356,7 @@ def _steps(omega: float) -> int:
 
 
 def outcomes_of_stretches(
-    system: System, motion: Motion, eta: float, omega: Array, ends: Array
+    system: System, motion: Motion, omega: Array, ends: Array
 ) -> Array:
     """The outcome of every amplitude of each stretch, `UNKNOWN` without a proof,
     (stretches,). omega, ends: as of `AmplitudeStretches`.
@@ -368,7 +366,7 @@ def outcomes_of_stretches(
     for kind in np.unique(kinds[kinds > 0]).tolist():
         at = np.flatnonzero(kinds == kind)
         found[at] = AmplitudeStretches(
-            system, motion, eta, omega[at], ends[:, at]
+            system, motion, omega[at], ends[:, at]
         ).outcomes()
     return found
 

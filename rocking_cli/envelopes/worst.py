@@ -173,6 +173,4 @@ def _under(
     omegas: np.ndarray,
 ) -> Response:
     """Return the response to one amplitude at several Omega."""
-    return response(
-        system, motion, np.full(omegas.size, amplitude), omegas, structure.eta
-    )
+    return response(system, motion, np.full(omegas.size, amplitude), omegas)

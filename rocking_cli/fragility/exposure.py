@@ -215,7 +215,7 @@ def _under_each(
     system = motions.method.system_of(structure)
     pairs = zip(motions.members, amplitudes, strict=True)
     found = [
-        response(system, m.motion, a, np.array([m.omega / structure.p]), structure.eta)
+        response(system, m.motion, a, np.array([m.omega / structure.p]))
         for m, a in pairs
     ]
     return Exposure(
@@ -371,7 +371,6 @@ def _search(
     return Search(
         system,
         member.motion,
-        structure.eta,
         unit * float(motions.levels[-1]) ** (1.0 / motions.measure.power),
         ratio=RATIO if long else 0.0,
         digits=tracing_width(motions.method, member.motion),

@@ -76,7 +76,7 @@ def _known_cells(scene: PulseScene, chosen: np.ndarray) -> list[KnownCell]:
     found = []
     for _, row, col in chosen:
         a, w = float(amplitude[col]), float(omega[row])
-        found.append(KnownCell(a, w, *reference(scene.motion, a, w, structure.eta)))
+        found.append(KnownCell(a, w, *reference(scene.motion, a, w)))
     return [cell for cell in found if cell.outcome != Outcome.FAILED]
 
 
@@ -89,7 +89,7 @@ def _of_engine(
         scene.method if tolerance is None else Method(scene.method.model, tolerance)
     )
     system = method.system_of(structure)
-    solve = partial(response, system, scene.motion, eta=structure.eta)
+    solve = partial(response, system, scene.motion)
 
     amplitude, omega = _timed_cells(scene)
     began = time.perf_counter()
@@ -126,9 +126,7 @@ def _of_scipy(
     problem = scene.method.problem_of(structure)
     began = time.perf_counter()
     answers = [
-        solve_cell(
-            scene.motion, cell.amplitude, cell.omega, structure.eta, problem, solver
-        )
+        solve_cell(scene.motion, cell.amplitude, cell.omega, problem, solver)
         for cell in known
     ]
     cost = (time.perf_counter() - began) / max(1, len(answers))

@@ -120,7 +120,7 @@ class History(Shown):
     --------
     >>> (column,) = load_structures("configs/block.yaml")
     >>> system = Method("nonlinear").system_of(column)
-    >>> found = history(system, sine(), 2.0, 6.0, column.eta, duration=10.0)
+    >>> found = history(system, sine(), 2.0, 6.0, duration=10.0)
     >>> ratio, rate = found.at(found.peak.tau)
     >>> f"{float(ratio):.5f}", f"{float(found.theta_ratio):.5f}", found.outcome.flag
     ('0.30973', '0.30973', 'rocked')

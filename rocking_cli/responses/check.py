@@ -256,7 +256,6 @@ def _to_capacity(
         search.motion,
         float(search.structure.dimensionless_amplitude(first)),
         search.omega,
-        search.structure.eta,
     )
 
 

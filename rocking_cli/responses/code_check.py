@@ -389,7 +389,7 @@ def first_beyond(
     top = 10.0 * demand if most is None else structure.dimensionless_amplitude(most)
 
     def march(row: np.ndarray, amplitude: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        found = response(system, motion, amplitude, omega, structure.eta, how="floats")
+        found = response(system, motion, amplitude, omega, how="floats")
         with np.errstate(invalid="ignore"):
             beyond = found.theta_ratio > share  # counts as a fall
         found.outcome[beyond] = Outcome.OVERTURNED_AFTER_IMPACT

@@ -30,7 +30,7 @@ def history(
     motion: AnyMotion,
     amplitude: float,
     omega: float,
-    eta: float,
+    eta: float | None = None,
     *,
     release: float = 0.0,
     duration: float,
@@ -53,7 +53,7 @@ def history(
     omega
         Omega = omega_g / p [-], finite, positive
     eta
-        restitution [-]
+        restitution [-] in place of that of the system
     release
         theta/alpha at the start [-], from 0 to below 1
     duration
@@ -67,17 +67,18 @@ def history(
     Raises
     ------
     ArgumentError
-        for a number out of range
+        for a number out of range, or if neither `eta` nor the system has a restitution
 
     Examples
     --------
     >>> (column,) = load_structures("configs/block.yaml")
     >>> system = Method().system_of(column)
-    >>> found = history(system, sine(), 2.0, 6.0, column.eta, duration=40.0)
+    >>> found = history(system, sine(), 2.0, 6.0, duration=40.0)
     >>> [event.event for event in found.events][:3]
     ['uplift', 'peak', 'impact']
     """
     motion = motion_from(motion)
+    system = system if eta is None else system.with_restitution(eta)
     numbers = {
         "amplitude": amplitude,
         "omega": omega,
@@ -100,11 +101,9 @@ def history(
     if system.devices is not None:
         from .tied_history import tied_history
 
-        return tied_history(system, motion, amplitude, omega, eta, release, duration)
+        return tied_history(system, motion, amplitude, omega, release, duration)
     segments = system.segments(motion.coarsest.still_until(1.001 * duration * omega))
-    return _MarchWriter(system, segments, omega, eta).record(
-        amplitude, release, duration
-    )
+    return _MarchWriter(system, segments, omega).record(amplitude, release, duration)
 
 
 class _MarchWriter(Writer, Listener):
@@ -112,11 +111,9 @@ class _MarchWriter(Writer, Listener):
 
     visible = INVISIBLE
 
-    def __init__(
-        self, system: System, segments: Segments, omega: float, eta: float
-    ) -> None:
+    def __init__(self, system: System, segments: Segments, omega: float) -> None:
         super().__init__(system.equation, omega)
-        self.lane = Lane(system, segments, omega, eta)
+        self.lane = Lane(system, segments, omega)
         self.fallen = self._fallen(1.0), self._fallen(-1.0)
 
     def _fallen(self, side: float) -> float:

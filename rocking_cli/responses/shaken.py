@@ -109,6 +109,5 @@ def respond(
         motion,
         amplitude,
         omega,
-        structure.eta,
         how="floats",
     )

@@ -131,7 +131,6 @@ def tied_history(
     motion: Motion,
     amplitude: float,
     omega: float,
-    eta: float,
     release: float,
     duration: float,
 ) -> History:
@@ -144,7 +143,6 @@ def tied_history(
         motion.coarsest,
         np.array([amplitude]),
         np.array([omega]),
-        np.array([eta]),
         recorder,
     )
     found = march.run(release)
@@ -214,7 +212,6 @@ def with_capacity(
     motion: Motion,
     amplitude: float,
     omega: float,
-    eta: float,
 ) -> tuple[dict[str, Any], ...]:
     """Return rows of `device_rows` with `endless` also for the devices that have
     yielded under the first overturning amplitude.
@@ -228,7 +225,6 @@ def with_capacity(
         motion.coarsest,
         np.array([amplitude]),
         np.array([omega]),
-        np.array([eta]),
     )
     march.run(0.0)
     return tuple(

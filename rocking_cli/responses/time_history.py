@@ -601,7 +601,6 @@ def time_history(
                 moved,
                 amplitude,
                 omega,
-                structure.eta,
                 release=release,
                 duration=tau,
             )

@@ -78,7 +78,8 @@ def predict(
     check_linear(spectrum)
 
     def key(of: RockingParameters) -> Hashable:  # of its dimensionless system
-        return LINEAR.system_of(of)._replace(body=None, scale=None).key()
+        system = LINEAR.system_of(of).with_restitution(None)
+        return system._replace(body=None, scale=None).key()
 
     same = key(structure)
     etas = {i: s.eta for i, s in enumerate(spectrum.structures) if key(s) == same}
@@ -142,7 +143,6 @@ def predict_exactly(
         motion,
         np.array([amplitude]),
         np.array([omega]),
-        structure.eta,
     )
     # `+`: the motion as it is, not reversed
     falls = trace_envelope(

@@ -120,7 +120,6 @@ class Tracing:
             search = Search(
                 system,
                 under,
-                structure.eta,
                 most,
                 ratio=RATIO,
                 digits=digits,

@@ -196,7 +196,7 @@ class RecordScene(Scene):
         nonlinear = Method("nonlinear")
         if not self.method.exact or not nonlinear.serves(cell.structure):
             return None
-        at = (np.array([cell.amplitude]), np.array([cell.omega]), cell.structure.eta)
+        at = (np.array([cell.amplitude]), np.array([cell.omega]))
         system = nonlinear.system_of(cell.structure)
         how = cheaper(system, cell.motion, 1)
         found = response(system, cell.motion, *at, peaks=False, how=how)

@@ -55,11 +55,11 @@ class CellBand(NamedTuple):
         return self.shape[0] * self.shape[1]
 
     def cells(self) -> Array:
-        """Return A, Omega and eta of each cell."""
+        """Return A and Omega of each cell, (2, cells)."""
         return np.stack(
             [
                 np.broadcast_to(x, self.shape).ravel()
-                for x in (self.amplitude, self.omega, self.structure.eta)
+                for x in (self.amplitude, self.omega)
             ]
         )
 
@@ -291,7 +291,7 @@ class PulseScene(Scene):
         for i, s in enumerate(self.structures):
             slides = friction_that_slides(s)
             own = None if slides is None else (slides, s.uplift)
-            groups.setdefault((s.eta, self.system_of(s).key(), own), []).append(i)
+            groups.setdefault((self.system_of(s).key(), own), []).append(i)
         return [tuple(g) for g in groups.values()]
 
 

@@ -135,9 +135,7 @@ def reference(scene: Scene, place: Place) -> Answer:
     march.
     """
     cell = scene.cell(*place)
-    outcome, theta = scene.method.reference_of(cell.structure)(
-        *cell[1:], cell.structure.eta
-    )
+    outcome, theta = scene.method.reference_of(cell.structure)(*cell[1:])
     return Answer(
         outcome, theta, None if outcome == Outcome.FAILED else scene.judge_of(cell)
     )
@@ -336,7 +334,7 @@ def _differences(scene: PulseScene, nonlinear: Method, count: int) -> Array:
     neighbours = np.stack(
         [drawn[:, 1], np.minimum(drawn[:, 1] + 1, amplitude.size - 1)]
     )
-    respond = partial(response, motion=scene.motion, eta=structure.eta, peaks=False)
+    respond = partial(response, motion=scene.motion, peaks=False)
     linear = respond(
         scene.method.system_of(structure),
         amplitude=amplitude[neighbours],

@@ -23,6 +23,7 @@ from rocking_cli import (
     sine,
 )
 from rocking_cli.dynamics.batch import Batch
+from rocking_cli.dynamics.contacts.contact import Symmetric
 from rocking_cli.dynamics.drive import RemainingImpulse
 from rocking_cli.dynamics.impulse_bound import ImpulseBound
 from rocking_cli.dynamics.march import proofs
@@ -102,7 +103,8 @@ def landed(motion, cells, seed, share):
     at = np.flatnonzero(v > 0.0)
     k, u, amplitude, omega, v = (x[at] for x in (k, u, amplitude, omega, v))
     side, eta = random.choice([-1.0, 1.0], at.size), random.uniform(0.5, 1.0, at.size)
-    batch = Batch.of(System(LinearEquation()), segments, amplitude, omega, eta)
+    system = System(LinearEquation(), Symmetric(eta))
+    batch = Batch.of(system, segments, amplitude, omega)
     run = Run(batch, at.size)
     b = -side * amplitude * motion.value(segments.start[k] + u) - 1.0
     landing = lanes(

@@ -23,9 +23,9 @@ RIGHT_UNEQUAL = Unequal(
     drive=(1.0, 0.8), omega=(1.0, 1.15), eta=(1.05, 0.6), rotation=(1.0, 1.0)
 )
 CONTACTS = {
-    "equal": (Symmetric(), 0.9),
+    "equal": (Symmetric(0.9), 0.9),
     "unequal": (RIGHT_UNEQUAL, 0.9),
-    "one side": (OneSided(), -0.6),
+    "one side": (OneSided(-0.6), -0.6),
 }
 LINEAR = {"undamped": LinearEquation(), "damped": LinearEquation(0.3)}
 
@@ -125,9 +125,7 @@ def test_lemma_7_a_summed_sequence_ends_before_anything_else_happens(
         summed = response(system, motion, amplitude, omega, eta)
         closed += summed.work.sequences_closed
         run = Run(
-            Batch.of(
-                system, system.segments(motion), amplitude, omega, np.full(12, eta)
-            ),
+            Batch.of(system, system.segments(motion), amplitude, omega),
             12,
         )
         run.proofs = [proof for proof in run.proofs if proof.still]

@@ -145,10 +145,7 @@ def test_the_rotation_when_the_ground_falls_away_tells_whether_the_body_has_over
             ).outcome
             == wanted
         )
-        assert (
-            method.reference_of(body)(motion(falls), amplitude, 2.0, body.eta)[0]
-            == wanted
-        )
+        assert method.reference_of(body)(motion(falls), amplitude, 2.0)[0] == wanted
 
 
 DOWN = Piece(37.0, 40.0, (), -10.0)

@@ -22,7 +22,7 @@ from rocking_cli import (
     sine,
     trace_envelope,
 )
-from rocking_cli.dynamics.contacts.contact import OneSided, Unequal
+from rocking_cli.dynamics.contacts.contact import OneSided, Symmetric, Unequal
 from rocking_cli.dynamics.outcome import safe
 from rocking_cli.envelopes import changes
 from rocking_cli.envelopes.amplitudes import ScanGrid
@@ -39,27 +39,24 @@ MOTIONS = [
 ]
 
 
+OSCILLATOR = System(LinearEquation(), Symmetric(0.9))
 BODIES = {
-    "oscillator": (System(LinearEquation()), 0.9),
-    "lossless body": (System(RigidBodyEquation(0.6)), 1.0),
-    "damped body": (System(RigidBodyEquation(0.3, damping=0.05)), 0.9),
-    "unlike edges": (
-        System(
-            RigidBodyEquation((0.25, 0.2)),
-            Unequal(
-                (1.0, 0.8),
-                (1.0, 1.15),
-                (1.05, 0.9),
-                (math.sin(0.25) / 0.25, math.sin(0.2) / 0.2),
-            ),
+    "oscillator": OSCILLATOR,
+    "lossless body": System(RigidBodyEquation(0.6), Symmetric(1.0)),
+    "damped body": System(RigidBodyEquation(0.3, damping=0.05), Symmetric(0.9)),
+    "unlike edges": System(
+        RigidBodyEquation((0.25, 0.2)),
+        Unequal(
+            drive=(1.0, 0.8),
+            omega=(1.0, 1.15),
+            eta=(1.05, 0.9),
+            rotation=(math.sin(0.25) / 0.25, math.sin(0.2) / 0.2),
         ),
-        0.9,
     ),
-    "one side": (System(RigidBodyEquation(0.5), OneSided()), -0.9),
-    "arch": (
-        Method("nonlinear").system_of(load_structures("configs/arch.yaml")[0]),
-        0.9,
-    ),
+    "one side": System(RigidBodyEquation(0.5), OneSided(-0.9)),
+    "arch": Method("nonlinear")
+    .system_of(load_structures("configs/arch.yaml")[0])
+    .with_restitution(0.9),
 }
 
 
@@ -69,10 +66,8 @@ BODIES = {
 )
 def test_nothing_overturns_where_the_scan_does_not_look_below(motion, name):
     """And half a sine that is short overturns some bodies at half as much again."""
-    (system, eta), omegas = BODIES[name], np.geomspace(0.5, 60.0, 10)
-    search = Search(
-        system, motion.scaled(-1.0) if name == "one side" else motion, eta, 60.0
-    )
+    system, omegas = BODIES[name], np.geomspace(0.5, 60.0, 10)
+    search = Search(system, motion.scaled(-1.0) if name == "one side" else motion, 60.0)
     bound = search.grid.amplitude(search._last_safe_point(omegas))
     below = search.outcome(bound * np.linspace(0.7, 1.0, 4)[:, None], omegas)
     assert np.all(below == Outcome.ROCKED)
@@ -157,8 +152,8 @@ def random_search(number):
     ],
 )
 def test_what_the_scan_leaves_out_changes_nothing(motion, eta, omegas, least):
-    spared = Search(System(LinearEquation()), motion, eta, 16.0).rows(omegas)
-    every = Exhaustive(System(Plain()), motion, eta, 16.0).rows(omegas)
+    spared = Search(OSCILLATOR.with_restitution(eta), motion, 16.0).rows(omegas)
+    every = Exhaustive(System(Plain(), Symmetric(eta)), motion, 16.0).rows(omegas)
     same_changes(spared, every)
     assert sum(len(row) - 1 for row in spared) >= least
 
@@ -168,9 +163,9 @@ def test_what_the_scan_leaves_out_changes_nothing(motion, eta, omegas, least):
     "name", [pytest.param("unlike edges", marks=pytest.mark.soak), "one side"]
 )
 def test_what_the_scan_leaves_out_below_changes_nothing(name):
-    (system, eta), omegas = BODIES[name], np.array([9.0])
+    system, omegas = BODIES[name], np.array([9.0])
     spared, every = (
-        kind(system, sine(1.5), eta, 2.5).rows(omegas) for kind in (Search, Exhaustive)
+        kind(system, sine(1.5), 2.5).rows(omegas) for kind in (Search, Exhaustive)
     )
     assert spared == every
 
@@ -200,9 +195,7 @@ def test_a_narrow_interval_under_several_cycles_is_found():
     """Overturning from 3.029878 to 3.030776 lies between two amplitudes of the scan,
     with equal outcomes.
     """
-    (row,) = Search(System(LinearEquation()), sine(5), 0.9, a_max=3.1).rows(
-        np.array([3.0])
-    )
+    (row,) = Search(OSCILLATOR, sine(5), a_max=3.1).rows(np.array([3.0]))
     below, above = (
         [c for c in row[1:] if (c[0] > 3.0303) == up] for up in (False, True)
     )

@@ -19,6 +19,7 @@ from rocking_cli import (
     response,
     sine,
 )
+from rocking_cli.dynamics.contacts.contact import Symmetric
 from rocking_cli.dynamics.method import LINEAR, Method
 from rocking_cli.dynamics.outcome import safe
 from rocking_cli.envelopes.capacity import CapacitySearch
@@ -189,13 +190,13 @@ def test_the_share_of_falls_is_0_in_one_wide_interval():
 def test_the_lowest_fall_under_a_record_is_cut_to_its_last_digits():
     motion, system = (
         motion_of_samples(noise(100, 0.05, 1)[30:60], 0.05),
-        System(LinearEquation()),
+        System(LinearEquation(), Symmetric(0.9)),
     )
-    found = FallSearch.of(system, motion, 0.4, 0.9, 1e-9)
+    found = FallSearch.of(system, motion, 0.4, 1e-9)
     first = found.first(1.02, 8.0)
     assert found.falls(first * (1.0 - 3e-9 * np.arange(2.0))).tolist() == [True, False]
     below = np.linspace(0.9 * first, first * (1.0 - 1e-8), 100)
-    assert safe(response(system, motion, below, 0.4, 0.9, peaks=False).outcome).all()
+    assert safe(response(system, motion, below, 0.4, peaks=False).outcome).all()
 
 
 @pytest.mark.slow
@@ -215,9 +216,9 @@ def test_a_scan_leads_to_the_fall_that_the_march_finds(dt, seed):
         dimensionless_oscillator(eta=0.9),
     )
     system = LINEAR.system_of(oscillator)
-    march = FallSearch.of(system, motion, 0.4, 0.9, 1e-6)
+    march = FallSearch.of(system, motion, 0.4, 1e-6)
     march.approximate_falls = lambda a: (
-        ~safe(response(system, motion, a, 0.4, 0.9, peaks=False).outcome)
+        ~safe(response(system, motion, a, 0.4, peaks=False).outcome)
     )
     found = CapacitySearch(oscillator, motion, 1.6, 0.4, LINEAR, 4.0).capacity()
     assert found.first is not None

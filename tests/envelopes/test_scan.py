@@ -10,6 +10,7 @@ from support.bodies import SYSTEMS
 from support.synthetic_records import motion_of_samples, noise
 
 from rocking_cli import Outcome, RigidBodyEquation, System, response
+from rocking_cli.dynamics.contacts.contact import Symmetric
 from rocking_cli.dynamics.outcome import safe
 from rocking_cli.envelopes.scan import Scan, follow
 
@@ -29,19 +30,18 @@ SCANNED = {
     ],
 )
 def test_a_scan_falls_as_the_march_but_next_to_boundaries(name, motion):
-    (system, eta), motion = SYSTEMS[name], SCANNED[motion]
+    (system, _), motion = SYSTEMS[name], SCANNED[motion]
     amplitude = np.geomspace(1.01, 4.0, 36) * system.least_uplift(motion)
     near = response(
         system,
         motion,
         np.outer([1.0 - 2e-4, 1.0, 1.0 + 2e-4], amplitude),
         0.4,
-        eta,
         peaks=False,
     )
     falls = ~safe(near.outcome)
     settled = falls.all(axis=0) | ~falls.any(axis=0)
-    found = ~safe(Scan(system, motion, 0.4, eta).outcomes(amplitude))
+    found = ~safe(Scan(system, motion, 0.4).outcomes(amplitude))
     assert 1 < falls[1].sum() < 18
     assert np.count_nonzero((found != falls[1])[settled]) <= 1
 
@@ -57,9 +57,9 @@ def test_a_scan_falls_as_the_march_but_next_to_boundaries(name, motion):
     ],
 )
 def test_a_scan_ends_where_a_sample_just_reaches_the_uplift(name):
-    system, eta = SYSTEMS[name]
+    system, _ = SYSTEMS[name]
     motion = SCANNED["a step a sample"]
-    scan = Scan(system, motion, 0.4, eta)
+    scan = Scan(system, motion, 0.4)
     amplitude = np.unique(
         [
             x
@@ -83,28 +83,27 @@ def test_a_scan_ends_where_a_sample_just_reaches_the_uplift(name):
     ],
 )
 def test_a_close_scan_has_the_outcomes_of_the_march(name):
-    system, eta = SYSTEMS[name]
+    system, _ = SYSTEMS[name]
     motion = SCANNED["a step a sample"]
     amplitude = np.geomspace(1.01, 4.0, 150) * system.least_uplift(motion)
-    expected = response(system, motion, amplitude, 0.4, eta, peaks=False).outcome
+    expected = response(system, motion, amplitude, 0.4, peaks=False).outcome
     expected[expected == Outcome.NO_UPLIFT] = Outcome.ROCKED
     assert np.unique(expected).size >= 2
-    found = Scan(system, motion, 0.4, eta).outcomes(amplitude)
+    found = Scan(system, motion, 0.4).outcomes(amplitude)
     assert np.count_nonzero(found != expected) <= 1
 
 
 @pytest.mark.slow
 def test_no_fall_depends_on_the_bodies_and_the_motions_that_are_scanned_with_it():
     cases = [
-        (SYSTEMS[name][0], SCANNED[motion], 0.4, SYSTEMS[name][1])
+        (SYSTEMS[name][0], SCANNED[motion], 0.4)
         for name, motion in zip(NAMES[::2], cycle(SCANNED), strict=False)
     ]
     cases += [
         (
-            System(RigidBodyEquation(alpha), scale=alpha),
+            System(RigidBodyEquation(alpha), Symmetric(0.9), alpha),
             SCANNED["a step a sample"],
             0.4,
-            0.9,
         )
         for alpha in (0.1, 0.3)
     ]

@@ -30,14 +30,12 @@ NONLINEAR = Method("nonlinear")
 def test_what_is_proved_is_what_the_march_finds(body, sign):
     system = NONLINEAR.system_of(body)
     motion = sine() if sign > 0.0 else sine().scaled(-1.0)
-    search = Search(system, motion, body.eta, 20.0)
+    search = Search(system, motion, 20.0)
     omegas = np.array([0.7, 1.3, 2.9, 5.1, 11.0])
     amplitude = np.tile(search.grid.amplitude(np.arange(search.grid.size)), 5)
     row = np.repeat(np.arange(5), search.grid.size)
     label, first = proved_outcomes(
-        lambda row, ends: outcomes_of_stretches(
-            system, motion, body.eta, omegas[row], ends
-        ),
+        lambda row, ends: outcomes_of_stretches(system, motion, omegas[row], ends),
         row,
         amplitude,
     )
@@ -78,7 +76,7 @@ def test_no_path_is_farther_away_than_the_bound(omega, until):
     least, gap = np.array([1.5, 3.0, 6.0]), 0.01
     ends = np.array([least, least + gap])
     stretches = AmplitudeStretches(
-        NONLINEAR.system_of(COLUMN), sine(), COLUMN.eta, np.full(3, omega), ends
+        NONLINEAR.system_of(COLUMN), sine(), np.full(3, omega), ends
     )
     start = np.arcsin(1.0 / stretches.least)
     path, count = stretches._at_uplift(start), 200

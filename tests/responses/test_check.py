@@ -189,7 +189,7 @@ def test_an_independent_solver_agrees_just_below_and_above_the_first_overturning
     for factor, falls in ((1.0 - 1e-6, False), (1.0 + 1e-6, True)):
         amplitude = float(structure.dimensionless_amplitude(first * factor))
         outcome, _ = method.reference_of(structure)(
-            sine(), amplitude, 2.0 * np.pi * 1.2 / structure.p, structure.eta
+            sine(), amplitude, 2.0 * np.pi * 1.2 / structure.p
         )
         assert outcome.overturned == falls
 

@@ -14,6 +14,7 @@ from support.record_layouts import rows, wave
 from support.synthetic_records import motion_of_samples, noise, recorded
 
 from rocking_cli import Axis, LinearEquation, Recording, System, Units, UsageError
+from rocking_cli.dynamics.contacts.contact import Symmetric
 from rocking_cli.dynamics.references.general_solver import solve_cell
 from rocking_cli.envelopes.boundaries import Search
 from rocking_cli.envelopes.capacity import RATIO
@@ -48,9 +49,7 @@ def test_ends_of_intervals_by_another_method():
             if end is None:
                 continue
             there, beyond = (
-                solve_cell(
-                    recording.motion, end * (1.0 + d), omega, BLOCK.eta, problem
-                )[0]
+                solve_cell(recording.motion, end * (1.0 + d), omega, problem)[0]
                 for d in (inside, -inside)
             )
             assert there.mode == row["mode"] != beyond.mode
@@ -65,7 +64,12 @@ def test_a_scan_that_leads_the_march_changes_no_interval(monkeypatch):
     motion = motion_of_samples(noise(100, 0.06, 4), 0.06)
     omegas = np.array([0.3, 0.5])
     search = Search(
-        System(LinearEquation()), motion, 0.9, 4.0, ratio=RATIO, digits=1e-6, parts=128
+        System(LinearEquation(), Symmetric(0.9)),
+        motion,
+        4.0,
+        ratio=RATIO,
+        digits=1e-6,
+        parts=128,
     )
     led = search.rows(omegas)
     monkeypatch.setattr(Scan, "supports", lambda *_: False)

@@ -350,7 +350,7 @@ def test_what_does_not_know_restraints_refuses_them(text):
         ),
     ):
         response_with_speed(
-            Method("linear").system_of(body), sine(), np.ones(1), np.ones(1), body.eta
+            Method("linear").system_of(body), sine(), np.ones(1), np.ones(1)
         )
 
 

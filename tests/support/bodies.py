@@ -59,7 +59,7 @@ def unequal(*rotation: float) -> Unequal:
 
 (ARCH,) = load_structures(Path(__file__).parents[2] / "configs/arch.yaml")
 ANGLES = [math.sin(alpha) / alpha for alpha in (ALPHA, LEFT)]
-SYSTEMS = {  # with restitutions
+_SYSTEMS = {
     "the oscillator": (System(LinearEquation(), scale=ALPHA), 0.9),
     "the oscillator on one side": (System(LinearEquation(), OneSided(), ALPHA), -0.5),
     "the oscillator of unlike edges": (
@@ -82,6 +82,10 @@ SYSTEMS = {  # with restitutions
         0.9,
     ),
     "an arch": (Method("nonlinear").system_of(ARCH), 0.9),
+}
+SYSTEMS = {  # each has this restitution
+    name: (system.with_restitution(eta), eta)
+    for name, (system, eta) in _SYSTEMS.items()
 }
 
 

@@ -70,7 +70,7 @@ def reference(
         a_scale=1.0,
     )
     return Method("nonlinear" if alpha else "linear").reference_of(body)(
-        motion, amplitude, omega, eta
+        motion, amplitude, omega
     )
 
 

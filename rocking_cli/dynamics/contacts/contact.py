@@ -4,9 +4,9 @@ their common part.
 
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from typing import Any, NamedTuple, Self
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any, ClassVar, NamedTuple, Self
 
 import numpy as np
 
@@ -36,6 +36,7 @@ class FreeMotion(NamedTuple):
     peak: Array  # largest rotation y to come, NaN if the body overturns
 
 
+@dataclass(frozen=True)
 class Contact(ABC):
     """How a body stands on the ground. The methods of this class hold for two equal
     edges and for a single edge; `Unequal` overrides them.
@@ -44,21 +45,50 @@ class Contact(ABC):
     alike = False  # True if the body has two free and equal edges
     left = 1.0  # 1 if the body can lift off onto its left edge, otherwise 0
     # fields that may differ from cell to cell in one march
-    cellwise: tuple[str, ...] = ()
+    cellwise: ClassVar[tuple[str, ...]] = ("eta",)
+
+    # restitution [-], a number or (cells,), None if it is not known
+    eta: Any = None
+
+    def with_restitution(self, eta: Any) -> Self:
+        """Return this contact with another restitution, itself if its edges have their
+        own. Raises ArgumentError for one out of range.
+        """
+        return replace(self, eta=eta)
 
     def of_each_cell(self, contacts: Sequence[Self], counts: Sequence[int]) -> Self:
         """Return one contact for so many cells of each of these contacts, the first of
         which is this one; they differ in `cellwise` fields only.
         """
-        return self
+        if all(one == self for one in contacts):
+            return self
+        numbers: dict[str, Any] = {}
+        for name in self.cellwise:
+            of_each = [getattr(one, name) for one in contacts]
+            cells = np.repeat(of_each, counts, axis=0)
+            numbers[name] = cells if cells.ndim == 1 else tuple(cells.T)
+        return replace(self, **numbers)
 
-    @abstractmethod
-    def cells(
-        self, equation: Equation, amplitude: Array, omega: Array, eta: Array
-    ) -> Cells:
-        """Return the drive of each cell on each side, from A, Omega, eta (each
-        (cells,)). Raises ArgumentError if an eta is out of range.
+    def amplitudes(self, equation: Equation, amplitude: Array) -> Array:
+        """Return the amplitudes of cells on each side, as in `Cells`, from A,
+        (cells,).
         """
+        return (amplitude / equation.uplift_amplitude)[None]
+
+    def cells(self, equation: Equation, amplitude: Array, omega: Array) -> Cells:
+        """Return the drive of each cell on each side, from A and Omega, (cells,) each.
+        Raises ArgumentError if the restitution is not known.
+        """
+        if self.eta is None:
+            raise ArgumentError(
+                "`eta`: found none; expected the restitution of the body"
+            )
+        eta = np.abs(np.asarray(self.eta, dtype=float))
+        return Cells(
+            self.amplitudes(equation, amplitude),
+            omega[None],
+            np.broadcast_to(eta, omega.shape)[None],
+        )
 
     @abstractmethod
     def impact(self, cells: Cells, lanes: Lanes, v: Array, b: Array) -> None:
@@ -73,14 +103,14 @@ class Contact(ABC):
         """
 
     def strongest(
-        self, cells: Cells, segments: Segments, first: Array | int = 0
+        self, amplitudes: Array, segments: Segments, first: Array | int = 0
     ) -> Array:
         """The strongest drive of each cell from segment `first` on, over the drive at
-        uplift, (cells,). Above 1 the body lifts off.
+        uplift, (cells,). Above 1 the body lifts off. amplitudes: as in `Cells`.
         """
         return np.maximum(
-            cells.amplitude[0] * -segments.later_min[first],
-            cells.amplitude[-1] * self.left * segments.later_max[first],
+            amplitudes[0] * -segments.later_min[first],
+            amplitudes[-1] * self.left * segments.later_max[first],
         )
 
     def uplift(
@@ -229,22 +259,17 @@ def _lift(
     return now | later
 
 
+@dataclass(frozen=True)
 class Symmetric(Contact):
     """Two equal edges: an impact puts the body on the other edge with eta times its
-    speed (Eq. 2.6). Each cell has an eta, in [0, 1].
+    speed (Eq. 2.6). Raises ArgumentError for an eta outside [0, 1].
     """
 
     alike = True
 
-    def cells(
-        self, equation: Equation, amplitude: Array, omega: Array, eta: Array
-    ) -> Cells:
-        """Return one row, which holds for both sides."""
-        if not np.all((eta >= 0.0) & (eta <= 1.0)):
+    def __post_init__(self) -> None:
+        if not _within(self.eta, lambda eta: (eta >= 0.0) & (eta <= 1.0)):
             raise ArgumentError("eta must be within [0, 1]")
-        return Cells(
-            (amplitude / equation.uplift_amplitude)[None], omega[None], eta[None]
-        )
 
     def impact(self, cells: Cells, lanes: Lanes, v: Array, b: Array) -> None:
         """Reverse the side, and with it the sign of the drive."""
@@ -257,26 +282,20 @@ class Symmetric(Contact):
         return OtherSide(1.0, 1.0, lanes.eta, lanes.eta, 1.0)
 
 
+@dataclass(frozen=True)
 class OneSided(Contact):
     """A body that is free for theta > 0 only, on its right edge: a facade against
     transverse walls (Sorrentino et al. 2011). At theta = 0 it hits its backing and
-    returns on the same side with e times its speed; the eta of each cell is e, within
-    (-1, 0]. It lifts off outwards only; an inward drive presses it against its backing.
+    returns on the same side with e times its speed. It lifts off outwards only; an
+    inward drive presses it against its backing. eta is e; the eta of its cells is -e.
+    Raises ArgumentError for an e outside (-1, 0].
     """
 
     left = 0.0
 
-    def cells(
-        self, equation: Equation, amplitude: Array, omega: Array, eta: Array
-    ) -> Cells:
-        """Return one row, for the right edge; the eta of the lanes is -e."""
-        if not np.all((eta > -1.0) & (eta <= 0.0)):
+    def __post_init__(self) -> None:
+        if not _within(self.eta, lambda eta: (eta > -1.0) & (eta <= 0.0)):
             raise ArgumentError("eta of a one-sided body must be within (-1, 0]")
-        return Cells(
-            (amplitude / equation.uplift_amplitude)[None],
-            omega[None],
-            np.abs(eta)[None],
-        )
 
     def impact(self, cells: Cells, lanes: Lanes, v: Array, b: Array) -> None:
         """Return the body on the same side; the force stays the same."""
@@ -285,6 +304,11 @@ class OneSided(Contact):
 
     def other_side(self, lanes: Lanes) -> None:
         """Return None: every arc is on the same side."""
+
+
+def _within(eta: Any, holds: Callable[[Array], Array]) -> bool:
+    """True if every restitution is in a range, or none is known."""
+    return eta is None or bool(np.all(holds(np.asarray(eta))))
 
 
 def reciprocal_ratios(one: float, other: float) -> tuple[float, float]:
@@ -299,7 +323,7 @@ def reciprocal_ratios(one: float, other: float) -> tuple[float, float]:
     return there, back
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Unequal(Contact):
     """Two edges that differ. Each pair is (right edge, left edge), of numbers or of
     arrays, (cells,). A and Omega are those of the reference edge; on either side y and
@@ -314,7 +338,7 @@ class Unequal(Contact):
     omega: tuple[Any, Any]  # p of the reference edge over that of the edge [-]
     # |y'| after over |y'| before the impact that leaves the edge [-], each in the units
     # of its side: one of the two may exceed 1, their product may not
-    eta: tuple[Any, Any]
+    eta: tuple[Any, Any] = field()
     # |theta|/alpha at y = 1 [-], if they are proportional; else its slope at rest
     rotation: tuple[Any, Any]
     # of both sides, if |theta|/alpha is not proportional to y
@@ -336,17 +360,8 @@ class Unequal(Contact):
                 "eta of both edges must be from 0, and their product at most 1"
             )
 
-    def of_each_cell(self, contacts: Sequence[Self], counts: Sequence[int]) -> Self:
-        if all(one == self for one in contacts):
-            return self
-
-        def cells(name: str) -> tuple[Array, Array]:
-            pairs = np.array([getattr(one, name) for one in contacts])
-            right, left = np.repeat(pairs, counts, axis=0).T
-            return right, left
-
-        numbers: dict[str, Any] = {name: cells(name) for name in self.cellwise}
-        return replace(self, **numbers)
+    def with_restitution(self, eta: Any) -> Self:
+        return self
 
     def _of(self, pair: tuple[Any, Any], side: Array, cell: Array) -> Array:
         """Return the number of the edge on which each lane is; cell: the cells of the
@@ -356,17 +371,18 @@ class Unequal(Contact):
             side > 0.0, *(x[cell] if isinstance(x, np.ndarray) else x for x in pair)
         )
 
-    def cells(
-        self, equation: Equation, amplitude: Array, omega: Array, eta: Array
-    ) -> Cells:
-        """Return a row for each edge. eta is that of this contact; the argument `eta`
-        is ignored.
-        """
-        drive, frequency, own = (
-            np.array(pair).reshape(2, -1) for pair in (self.drive, self.omega, self.eta)
+    def amplitudes(self, equation: Equation, amplitude: Array) -> Array:
+        return np.array(self.drive).reshape(2, -1) * amplitude
+
+    def cells(self, equation: Equation, amplitude: Array, omega: Array) -> Cells:
+        """Return a row for each edge."""
+        frequency, eta = (
+            np.array(pair).reshape(2, -1) for pair in (self.omega, self.eta)
         )
         return Cells(
-            drive * amplitude, frequency * omega, np.broadcast_to(own, (2, omega.size))
+            self.amplitudes(equation, amplitude),
+            frequency * omega,
+            np.broadcast_to(eta, (2, omega.size)),
         )
 
     def turn(self, cells: Cells, lanes: Lanes, at: Array, side: Array) -> None:

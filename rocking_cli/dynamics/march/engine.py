@@ -1,4 +1,4 @@
-"""The march: cells (A, Omega, eta) under one motion, advanced arc by arc in a pool of
+"""The march: cells (A, Omega) under one motion, advanced arc by arc in a pool of
 lanes. Lanes that finish hand in their result and new cells take their places. It skips
 cells that never leave the ground, times of rest, and lanes whose outcome is proved.
 """
@@ -89,7 +89,10 @@ class Run:
     def all(self, cells: Array | None = None) -> None:
         """Run every cell, or these cells, to its end, once."""
         batch = self.batch
-        lifts = batch.contact.strongest(batch.cells, batch.segments, batch.first) > 1.0
+        lifts = (
+            batch.contact.strongest(batch.cells.amplitude, batch.segments, batch.first)
+            > 1.0
+        )
         if cells is not None:
             lifts &= np.isin(np.arange(batch.size), cells)
         waiting = np.flatnonzero(lifts)

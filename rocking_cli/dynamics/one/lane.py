@@ -49,13 +49,10 @@ class Lane:
     motion as lists.
     """
 
-    def __init__(
-        self, system: System, segments: Segments, omega: float, eta: float
-    ) -> None:
+    def __init__(self, system: System, segments: Segments, omega: float) -> None:
         self.omega = np.array([omega])
-        self.eta = np.array([eta])
         self.shaken = len(segments)  # number of segments of the motion itself
-        cells = system.contact.cells(system.equation, np.ones(1), self.omega, self.eta)
+        cells = system.contact.cells(system.equation, np.ones(1), self.omega)
         # no closed form of the free motion: march on over still ground
         if system.equation.damping:
             segments = segments.followed_by_rest(

@@ -52,7 +52,7 @@ def loses_contact(lane: Lane, amplitude: float, most: int) -> bool:
     A has come back for good; most: as of `march`.
     """
     cells = lane.system.contact.cells(
-        lane.system.equation, np.array([amplitude]), lane.omega, lane.eta
+        lane.system.equation, np.array([amplitude]), lane.omega
     )
     assert lane.system.body is not None
     loss = ContactLoss(
@@ -62,7 +62,6 @@ def loses_contact(lane: Lane, amplitude: float, most: int) -> bool:
             lane.segments,
             np.array([amplitude]),
             lane.omega,
-            lane.eta,
             peaks=False,
         ),
     )

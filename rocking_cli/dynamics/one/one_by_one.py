@@ -27,16 +27,15 @@ class OneByOne:
         self,
         system: System,
         segments: Segments,
-        cells: tuple[Array, Array, Array],
+        cells: tuple[Array, Array],
         peaks: bool,
     ) -> None:
-        self.amplitude, self.omega, self.eta = (x.tolist() for x in cells)
+        self.amplitude, self.omega = (x.tolist() for x in cells)
         # number of steps beyond which a cell fails
         self.most = _STEPS + _FOR_EACH * len(segments)
-        # one lane for each pair of Omega and eta; it serves every amplitude
+        # one lane for each Omega; it serves every amplitude
         self.lanes = {
-            at: Lane(system, segments, *at)
-            for at in dict.fromkeys(zip(self.omega, self.eta, strict=True))
+            omega: Lane(system, segments, omega) for omega in dict.fromkeys(self.omega)
         }
         size = len(self.amplitude)
         self.theta_ratio = np.empty(size)
@@ -60,4 +59,4 @@ class OneByOne:
         return loses_contact(self._lane(i), self.amplitude[i], self.most)
 
     def _lane(self, i: int) -> Lane:
-        return self.lanes[self.omega[i], self.eta[i]]
+        return self.lanes[self.omega[i]]

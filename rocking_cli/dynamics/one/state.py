@@ -79,7 +79,7 @@ class MarchState:
         self.lane, self.motion, self.segments = lane, lane.motion, lane.segments
         self.contact, self.equation = lane.system.contact, lane.system.equation
         self.cells = self.contact.cells(
-            self.equation, np.array([amplitude]), lane.omega, lane.eta
+            self.equation, np.array([amplitude]), lane.omega
         )
         self.edges = lane.edges(amplitude)
         self.listener = listener

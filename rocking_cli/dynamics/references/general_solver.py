@@ -73,9 +73,8 @@ class Problem(NamedTuple):
     # only
     edges: dict[int, Rates]
     scale: float  # ground acceleration of A = 1 [g]
-    # theta' after over theta' before the impact that leaves each edge [-]; empty if the
-    # eta of the cell holds
-    eta: Mapping[int, float] = {}
+    # |theta'| after over |theta'| before the impact that leaves each edge [-]
+    eta: Mapping[int, float]
     # `Arm` of each edge of a rigid body; empty if its forces are not known
     arms: Mapping[int, Arm] = {}
     # function that builds a body with ties or a tendon, None for a free body
@@ -86,7 +85,6 @@ def solve_cell(
     motion: Motion,
     amplitude: float,
     omega: float,
-    eta: float,
     problem: Problem,
     solver: Callable[..., Path] = path,
 ) -> tuple[Outcome, float]:
@@ -96,7 +94,7 @@ def solve_cell(
     """
     try:
         return (problem.body or ReferenceBody)(
-            motion, problem, float(amplitude), float(omega), eta, solver
+            motion, problem, float(amplitude), float(omega), solver
         ).run()
     except (ArithmeticError, ValueError):
         return Outcome.FAILED, math.nan
@@ -167,13 +165,12 @@ class ReferenceBody:
         problem: Problem,
         amplitude: float,
         omega: float,
-        eta: float,
         solver: Callable[..., Path],
     ) -> None:
         self.motion, self.problem, self.solver = motion, problem, solver
         self.drive = amplitude * problem.scale
         self.omega = omega
-        self.eta = problem.eta or {1: abs(eta), -1: abs(eta)}
+        self.eta = problem.eta
         self.time = self.theta = self.w = self.peak = 0.0
         self.side = self.turns = 0  # turns: peaks since the last impact
         self.edges = problem.edges

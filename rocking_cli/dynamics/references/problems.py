@@ -90,6 +90,7 @@ def problem_of(
     sides: dict[int, Edge] = dict(zip((-1, 1), structure.sides, strict=False))
     scale = structure.alpha / structure.a_scale
     own = sides or dict.fromkeys((1,) if structure.one_sided else (1, -1), structure)
+    eta = {i: abs(e.eta) for i, e in own.items()}
     arms = {
         i: Arm(e.alpha, e.arm * structure.p**2 / structure.gravity)
         for i, e in own.items()
@@ -110,10 +111,10 @@ def problem_of(
         return Problem(
             {i: rates(structure, s) for i, s in sides.items()},
             scale,
-            {i: s.eta for i, s in sides.items()},
+            eta,
             arms,
             body,
         )
     return Problem(
-        dict.fromkeys(own, rates(structure, structure)), scale, arms=arms, body=body
+        dict.fromkeys(own, rates(structure, structure)), scale, eta, arms, body
     )

@@ -69,7 +69,7 @@ _TOUCH, _ROUNDING = 1e-2, 1e-13
 
 
 class March:
-    """The march of cells (A, Omega, eta) of one body with ties or a tendon under a
+    """The march of cells (A, Omega) of one body with ties or a tendon under a
     motion; recorder: stores the history of a single cell; alone: True to march one cell
     after the other, along records on floats. Raises UsageError for a motion with a
     vertical part.
@@ -81,7 +81,6 @@ class March:
         motion: Motion,
         amplitude: Array,
         omega: Array,
-        eta: Array,
         recorder: Recorder | None = None,
         alone: bool = False,
     ):
@@ -95,7 +94,7 @@ class March:
         self.equation = system.equation
         self.contact = system.contact
         self.devices = system.devices
-        self.cells = self.contact.cells(self.equation, amplitude, omega, eta)
+        self.cells = self.contact.cells(self.equation, amplitude, omega)
         self.shaken, self.recorder = len(segments), recorder
         # the motion, and still ground after it without an end
         self.segments = segments.followed_by_rest(np.inf)

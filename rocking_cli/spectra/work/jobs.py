@@ -80,7 +80,7 @@ class Job:
 
     def _key(self, structure: RockingParameters) -> Hashable:
         """Return a key: one run computes structures of equal keys under a motion."""
-        return self.scene.system_of(structure).key(self.scene.mixed)
+        return self.scene.system_of(structure).march_key(self.scene.mixed)
 
     @cached_property
     def one_by_one(self) -> bool:
@@ -188,7 +188,7 @@ class Job:
     def under_records(
         self, batch: Sequence[CellBand], cells: np.ndarray
     ) -> tuple[Block, Work]:
-        """Return (the variables of all cells (A, Omega, eta), the work) for bands of
+        """Return (the variables of all cells (A, Omega), the work) for bands of
         one system under several records.
         """
         counts = [band.size for band in batch]
@@ -214,7 +214,7 @@ class Job:
     def together_of(
         self, batch: Sequence[CellBand], cells: np.ndarray
     ) -> tuple[Block, Work]:
-        """Return (the variables of all cells (A, Omega, eta), the work) for bands under
+        """Return (the variables of all cells (A, Omega), the work) for bands under
         one motion.
         """
         method, motion = self.scene.method, batch[0].motion
@@ -272,7 +272,7 @@ class Job:
         lost = cells_that_lose_contact(
             system,
             motion,
-            (cells[0], cells[1], cells[2]),
+            (cells[0], cells[1]),
             doubtful,
             theta_ratio,
             fastest,

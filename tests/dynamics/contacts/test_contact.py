@@ -8,7 +8,17 @@ import numpy as np
 import pytest
 from support.references import lanes
 
-from rocking_cli import LinearEquation, Method, Motion, response
+from rocking_cli import (
+    ArgumentError,
+    LinearEquation,
+    Method,
+    Motion,
+    RigidBodyEquation,
+    System,
+    history,
+    response,
+    sine,
+)
 from rocking_cli.dynamics.contacts.contact import OneSided, Symmetric, Unequal
 from rocking_cli.motions import Piece
 from rocking_cli.structures.parameters import RockingParameters, Side
@@ -74,15 +84,41 @@ def test_sequence_time_is_the_sum_of_its_arcs(contact, force):
 @pytest.mark.parametrize(
     ("contact", "eta", "expected"),
     [
-        *((Symmetric(), eta, r"within \[0, 1\]") for eta in (-0.1, 1.1, np.nan)),
-        *((OneSided(), eta, r"within \(-1, 0\]") for eta in (0.1, -1.0, -1.2, np.nan)),
+        *((Symmetric, eta, r"within \[0, 1\]") for eta in (-0.1, 1.1, np.nan)),
+        *((OneSided, eta, r"within \(-1, 0\]") for eta in (0.1, -1.0, -1.2, np.nan)),
     ],
 )
 def test_restitutions_out_of_range_are_refused(contact, eta, expected):
-    with pytest.raises(ValueError, match=expected):
-        contact.cells(
-            LinearEquation(), np.full(1, 2.0), np.full(1, 3.0), np.full(1, eta)
+    for given in (eta, np.array([0.0, eta])):
+        with pytest.raises(ValueError, match=expected):
+            contact(given)
+        with pytest.raises(ValueError, match=expected):
+            response(System(LinearEquation(), contact()), sine(), 2.0, 3.0, given)
+
+
+def test_a_restitution_that_nobody_gave_is_asked_for():
+    """By every march; the uplift needs none."""
+    system = System(LinearEquation())
+    assert system.least_uplift(sine()) == pytest.approx(1.0, rel=1e-12, abs=0)
+    for how in ("arrays", "floats"):
+        with pytest.raises(ArgumentError, match="`eta`: found none; expected"):
+            response(system, sine(), 2.0, 3.0, how=how)
+    with pytest.raises(ArgumentError, match="`eta`: found none; expected"):
+        history(system, sine(), 2.0, 3.0, duration=9.0)
+
+
+@pytest.mark.parametrize("how", ["arrays", "floats"])
+def test_cells_with_restitutions_of_their_own_end_as_each_alone(how):
+    amplitude, omega = np.array([1.5, 4.0, 1.8]), np.array([[6.0], [3.0]])
+    eta = np.array([0.9, 0.5, 0.9])
+    system = System(RigidBodyEquation(0.25))
+    found = response(system, sine(), amplitude, omega, eta, how=how)
+    for i, own in enumerate(eta):
+        alone = response(
+            system.with_restitution(own), sine(), amplitude[i], omega[:, 0], how=how
         )
+        for cells, one in zip(found[:-1], alone[:-1], strict=True):
+            np.testing.assert_array_equal(cells[:, i], one)
 
 
 @pytest.mark.parametrize("model", ["linear", "nonlinear"])

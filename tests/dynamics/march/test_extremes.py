@@ -270,7 +270,7 @@ def test_an_arch_at_the_edge_of_stability():
     for a, outcome, theta in zip(
         amplitude, found.outcome, found.theta_ratio, strict=True
     ):
-        expected = method.reference_of(arch)(sine(), a, 4.0, 0.8)
+        expected = method.reference_of(arch)(sine(), a, 4.0)
         assert (outcome, theta) == (
             expected[0],
             pytest.approx(expected[1], rel=0, abs=5e-10, nan_ok=True),

@@ -95,7 +95,7 @@ def against_the_march(name, motion, long, count, seed):
     omega *= 8.0 if motion.samples is None else 1.0
     omega[:2] /= 40.0  # samples that a step does not reach
     etas = np.full(count, eta)
-    run = Run(Batch.of(system, system.segments(long), amplitude, omega, etas))
+    run = Run(Batch.of(system, system.segments(long), amplitude, omega))
     run.all()
     rounding = allowance(motion, amplitude, omega, etas, system)
     found = response(system, motion, amplitude, omega, etas)

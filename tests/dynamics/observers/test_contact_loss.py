@@ -80,7 +80,7 @@ def test_a_linear_point_mass_leaves_the_ground_from_where_its_closed_form_says(
         (1.0 - off, Outcome.ROCKED),
         (1.0 + off, Outcome.LOST_CONTACT),
     ):
-        cell = pulse("rectangular"), factor * lifting(omega), omega, body.eta
+        cell = pulse("rectangular"), factor * lifting(omega), omega
         marched = path == "march"
         outcome, theta = (
             response(method.system_of(body), *cell)[1::-1]
@@ -105,9 +105,9 @@ def test_what_overturns_is_told_as_overturned_and_unknown_forces_are_not_looked_
             else method.reference_of(body)(*cell)[0]
         )
 
-    assert outcome(body, sine(), 12.0, 2.0, body.eta) == Outcome.OVERTURNED_NO_IMPACT
+    assert outcome(body, sine(), 12.0, 2.0) == Outcome.OVERTURNED_NO_IMPACT
     assert (
-        outcome(unknown, pulse("rectangular"), 1.1 * lifting(8.0), 8.0, 0.9)
+        outcome(unknown, pulse("rectangular"), 1.1 * lifting(8.0), 8.0)
         == Outcome.ROCKED
     )
 
@@ -237,7 +237,7 @@ def test_what_a_rotation_proves_to_press_does():
         for x in np.meshgrid(np.linspace(1.0, 6.0, 7), np.linspace(1.0, 9.0, 6))
     )
     system = Method("nonlinear").system_of(body)
-    scene = sine(), amplitude, omega, np.full(omega.size, 0.9)
+    scene = sine(), amplitude, omega
     batch = Batch.of(system, sine().segments, *scene[1:])
     loss = ContactLoss(system.body, batch)
     found = response(system, *scene)

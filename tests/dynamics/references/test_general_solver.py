@@ -192,7 +192,7 @@ def test_a_body_that_lies_on_its_side_is_not_followed():
 
     watched = edge._replace(of=counted)
     outcome, _ = solve_cell(
-        sine(), 1e8, 0.01, 0.9, problem._replace(edges={1: watched, -1: watched})
+        sine(), 1e8, 0.01, problem._replace(edges={1: watched, -1: watched})
     )
     assert outcome == Outcome.OVERTURNED_NO_IMPACT
     assert calls < 20_000
@@ -239,12 +239,11 @@ def test_the_ground_falls_away_where_the_weight_is_gone():
             motion = with_vertical(
                 sine(), cosine(), factor / (0.5 * 0.2)
             )  # the weight is least at its middle
-            assert reference(motion, 0.5, 3.0, body.eta)[0] == expected
+            assert reference(motion, 0.5, 3.0)[0] == expected
     (arch,) = load_structures("configs/arch.yaml")
     falling = with_vertical(sine(0.5), cosine(1), 0.9)
     found = [
-        Method("nonlinear").reference_of(arch)(falling, a, 2.0, arch.eta)[0]
-        for a in (0.9, 6.0)
+        Method("nonlinear").reference_of(arch)(falling, a, 2.0)[0] for a in (0.9, 6.0)
     ]
     assert found == [Outcome.NO_UPLIFT, Outcome.FAILED]
 
@@ -271,8 +270,8 @@ def test_the_engine_and_the_slower_paths_lose_the_same_bodies(
             random, body, (0.0, 0.4, 1.5), (1.5, 5.0), recorded
         )
         method = Method("nonlinear" if solved.nonlinear else "linear", 1e-11)
-        found = response(method.system_of(body), motion, *cell, body.eta)
-        outcome, theta = method.reference_of(body)(motion, *cell, body.eta)
+        found = response(method.system_of(body), motion, *cell)
+        outcome, theta = method.reference_of(body)(motion, *cell)
         assert outcome == found.outcome, (kind, motion.name, method.model, *cell)
         assert outcome != Outcome.ROCKED or abs(theta - found.theta_ratio) < 1e-8
         seen[outcome] += 1

@@ -50,7 +50,6 @@ def marched(text, motion, a_g, period, method=EXACT, damping=""):
     cells = (
         body.dimensionless_amplitude(a_g * G),
         2 * math.pi / period / body.p,
-        body.eta,
     )
     return body, March(system, motion, *(np.array([x]) for x in cells)).run()
 
@@ -267,7 +266,6 @@ def test_ties_hold_yield_and_break_as_another_integration_says(
         motion,
         body.dimensionless_amplitude(a_g * G),
         2.0 * math.pi / period / body.p,
-        body.eta,
     )
     assert answer[0] == found.outcome[0]
     if not fell:
@@ -509,7 +507,7 @@ def test_a_block_with_a_tendon_against_another_integration(
         == [breaks, breaks]
     )  # on both sides
     assert Outcome(int(found.outcome[0])).overturned == fell != stands
-    at = body.dimensionless_amplitude(a_g * 9.8), omega_g / body.p, body.eta
+    at = body.dimensionless_amplitude(a_g * 9.8), omega_g / body.p
     answer = Method("linear" if linear else "nonlinear").reference_of(body)(sine(), *at)
     assert answer == pytest.approx(
         (found.outcome[0], found.theta_ratio[0]), abs=1e-9, nan_ok=True
@@ -589,13 +587,12 @@ def test_a_body_that_a_tie_presses_to_the_ground_comes_to_rest_at_once():
     # The drive would lift the wall to the right without the tie on this side.
     system = EXACT.system_of(
         built(WALL.replace("true", "false") + TIE % ", yield: 20 kN, side: right")
-    )
+    ).with_restitution(0.9)
     found = March(
         system,
         sine(),
         np.array([1.0886, 1.0770]),
         np.array([9.9814, 10.7059]),
-        np.full(2, 0.9),
     ).run()
     assert found.steps.max() < 150
 
@@ -640,11 +637,10 @@ def test_bouncing_that_makes_the_tie_of_the_other_side_yield_is_not_summed(monke
         WALL.replace("true", "false")
         + "ties: [{height: 5.5 m, stiffness: 2e6 N/m, yield: 200 N, side: left}]\n"
     )
-    system = Method("nonlinear", 1e-11).system_of(body)
+    system = Method("nonlinear", 1e-11).system_of(body).with_restitution(0.7)
     cells = (
         system.least_uplift(sine()) * np.array([1.29, 1.42]),
         np.array([6.3, 9.1]),
-        np.full(2, 0.7),
     )
     summed = March(system, sine(), *cells).run()
     monkeypatch.setattr(

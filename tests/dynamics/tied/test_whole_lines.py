@@ -46,7 +46,7 @@ def test_bodies_end_as_without_whole_lines(name, monkeypatch):
     body, motion = built(BODIES[name]), shaking()
     system, ones = Method("nonlinear").system_of(body), np.ones(4)
     amplitude = system.least_uplift(motion) * np.geomspace(0.99, 4.0, ones.size)
-    cells = amplitude, ones / body.p, body.eta * ones
+    cells = amplitude, ones / body.p
     many, alone = (March(system, motion, *cells, alone=x).run() for x in (False, True))
     monkeypatch.setattr(tied_march, "LEAST_LINES", 1 << 30)
     found = March(system, motion, *cells).run()
