@@ -23,7 +23,7 @@ _METHOD = "fork" if sys.platform == "linux" else "spawn"
 _AHEAD = 3  # items under way for each process
 _PARENT_DEATH_SIGNAL = 1  # PR_SET_PDEATHSIG of prctl(2)
 
-Run = Callable[[Iterable[Any]], Iterator[Any]]
+Runner = Callable[[Iterable[Any]], Iterator[Any]]
 """From items to the results of a task, in their order."""
 
 _POLL = 0.5  # s between two looks at the parts that the worker processes report
@@ -105,7 +105,7 @@ def processes(
     task: Callable[[Any], Any],
     advice: str,
     parts: Callable[[float], None] | None = None,
-) -> Iterator[Run]:
+) -> Iterator[Runner]:
     """Context manager: a function from items to task(item) of each, in their order,
     computed by `workers` processes. The task itself is sent to each process once.
     parts: called now and then with the sum of what `report_part` was called with.

@@ -110,12 +110,12 @@ def _grid(stated: Mapping[str, str], own_time: bool) -> Grid:
 
 
 @dataclass(frozen=True)
-class Demand(Shaking, BothWays):
+class DemandOptions(Shaking, BothWays):
     """The ground motion, a vertical one, and the demand."""
 
     takes_demand: ClassVar[bool] = True
 
-    def ends(self) -> list[Demand]:
+    def ends(self) -> list[DemandOptions]:
         """Return the demands at both ends of a range of frequencies FROM:TO, if there
         is one. Raises click.UsageError.
         """
@@ -142,7 +142,7 @@ class Demand(Shaking, BothWays):
 
 
 @dataclass(frozen=True)
-class Directed(Demand):
+class Directed(DemandOptions):
     """The demand, or two horizontal components in a direction."""
 
     azimuth: str | None = option(

@@ -145,7 +145,7 @@ def envelope(
 
 
 @dataclass
-class _Tracing:
+class _OfPulse:
     """The intervals of one structure by one equation under a pulse."""
 
     structure: RockingParameters
@@ -184,7 +184,7 @@ def _tracings(
     axis: Axis,
     methods: Sequence[Method],
     wanted: EnvelopeOptions,
-) -> list[_Tracing]:
+) -> list[_OfPulse]:
     """Return the searches of a call, by structure and equation. Raises UsageError for
     one that cannot be done, before the first row is printed.
     """
@@ -198,12 +198,12 @@ def _tracings(
             check_intervals(
                 structure, motion, axis, method=method, a_max=most, sign=wanted.sign
             )
-            found.append(_Tracing(structure, motion, axis, method, most))
+            found.append(_OfPulse(structure, motion, axis, method, most))
     return found
 
 
 def _remarks(
-    tracings: Sequence[_Tracing], equations: int, wanted: EnvelopeOptions
+    tracings: Sequence[_OfPulse], equations: int, wanted: EnvelopeOptions
 ) -> Iterator[str]:
     """Yield lines on frequencies without overturning, and with both equations on what
     the linear one misjudges; equations: the number for each structure.

@@ -26,7 +26,7 @@ from .parameter_types import (
     limit,
     quantity,
 )
-from .printing import Row, below, form, keep_labels, note, units_of
+from .printing import AnyRow, below, form, keep_labels, note, units_of
 from .streams import printable
 
 if TYPE_CHECKING:
@@ -163,7 +163,7 @@ def draw_figure(
     draw_rows(rows, output, over=over, units=units_of(), overwrite=overwrite, tell=note)
 
 
-def kept(rows: Iterable[Row], into: list[Any]) -> Iterator[Row]:
+def kept(rows: Iterable[AnyRow], into: list[Any]) -> Iterator[AnyRow]:
     """Yield rows and keep them in a list."""
     for row in rows:
         into.append(row)

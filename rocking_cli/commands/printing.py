@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from ..reports.units import Units
     from ..structures import RockingParameters
 
-Row = TypeVar("Row", bound=Mapping[str, Any])
+AnyRow = TypeVar("AnyRow", bound=Mapping[str, Any])
 
 
 def _keep(context: click.Context, parameter: click.Parameter, value: Any) -> None:
@@ -213,7 +213,7 @@ def _width() -> int:
     return get_terminal_size((WIDTH, 0)).columns if sys.stdout.isatty() else WIDTH
 
 
-def computed(rows: Iterable[Row]) -> Iterable[Row]:
+def computed(rows: Iterable[AnyRow]) -> Iterable[AnyRow]:
     """Return rows for `emit`: those of a table are computed here, before it is printed;
     those of JSON and CSV are printed one by one as they come.
     """

@@ -52,7 +52,7 @@ class SolveOptions:
 def solve(
     files: tuple[str, ...] = options.files(),
     wanted: SolveOptions = group(SolveOptions),
-    asked: demand.Demand = group(demand.Demand),
+    asked: demand.DemandOptions = group(demand.DemandOptions),
     sign: str = demand.sign(),
     workers: int | None = options.workers(),
     figure: options.FigureFile = group(options.FigureFile),

@@ -33,10 +33,12 @@ _TINY = 1e-300  # an arc without duration has a mean force too
 _SAFETY, _ROUNDING = 3.0, 1e-14
 _STEP = 1e-6  # change of y for a derivative by differences
 
-Moments = tuple[Any, Any, Any]  # yy, yv and vv
+ErrorMoments = tuple[Any, Any, Any]  # yy, yv and vv
 
 
-def along(m: Moments, grow: Any, h: Any, rate: Any, lost: Any = 1.0) -> Moments:
+def along(
+    m: ErrorMoments, grow: Any, h: Any, rate: Any, lost: Any = 1.0
+) -> ErrorMoments:
     """Return the moments after an arc of duration h [tau], which adds errors of one
     unit in every unit of tau; grow: exp(rate h), rate: root of df/dy, lost: the part of
     an error that damping leaves. Arrays or floats.
@@ -47,7 +49,7 @@ def along(m: Moments, grow: Any, h: Any, rate: Any, lost: Any = 1.0) -> Moments:
     return yy + half, yv, vv + half
 
 
-def _by_flow(m: Moments, flow: tuple[Any, Any, Any]) -> Moments:
+def _by_flow(m: ErrorMoments, flow: tuple[Any, Any, Any]) -> ErrorMoments:
     """The moments after the flow J = [c, s; t, c]."""
     (c, s, t), (yy, yv, vv) = flow, m
     # J M, then (J M) J^T
@@ -56,8 +58,8 @@ def _by_flow(m: Moments, flow: tuple[Any, Any, Any]) -> Moments:
 
 
 def through_impact(
-    m: Moments, before: tuple[Any, Any], after: tuple[Any, Any], pace: Any
-) -> Moments:
+    m: ErrorMoments, before: tuple[Any, Any], after: tuple[Any, Any], pace: Any
+) -> ErrorMoments:
     """Return the moments after an impact; before, after: (v, b), arrays or floats;
     pace: duration of a unit of tau before it, in units after it.
     """
@@ -101,7 +103,7 @@ def moved(
     return np.array([more_y * more_y, yv + more_y * more_v - y * v, more_v * more_v])
 
 
-def rows(moments: Array) -> Moments:
+def rows(moments: Array) -> ErrorMoments:
     """Return yy, yv and vv of lanes."""
     return moments[0], moments[1], moments[2]
 
@@ -113,7 +115,7 @@ def in_tolerances(error: Array, stated: float) -> Array:
     return (_SAFETY * error + _ROUNDING) / stated
 
 
-def sheared(m: Moments, jump: Array, v: Array) -> Array:
+def sheared(m: ErrorMoments, jump: Array, v: Array) -> Array:
     """Return the moments after a jump of the force at a place that bodies pass with the
     velocity v.
     """

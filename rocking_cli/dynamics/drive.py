@@ -33,7 +33,7 @@ def crossing(segments: Segments, k: Array, level: Array) -> Array:
             )
     if segments.harmonics != 1 or segments.sloped:
         return _bracketed_crossing(segments, k, level, length)
-    # A falling stretch is computed as its rising mirror image: mirrored motions give
+    # A falling segment is computed as its rising mirror image: mirrored motions give
     # mirrored bits. The angle is arcsin(level/R) by an arctangent, which is exact near
     # an extremum.
     wave = segments.wave

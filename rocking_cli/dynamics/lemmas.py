@@ -15,8 +15,8 @@ side (or back on the same one) with the speed eta |y'|. A body at rest lifts off
 
 # Notation
 
-piece       a stretch of the motion with one closed form
-segment     a stretch of a piece on which the motion s is monotone
+piece       a part of the motion with one closed form
+segment     a part of a piece on which the motion s is monotone
 drive       subcritical where a < 1
 arc         the Taylor series of y from the present state of a lane, within one piece
 step        the part of an arc that one round of the march covers: it turns once at most
@@ -161,7 +161,7 @@ A body whose arcs do not overturn it keeps Fz > 0 if the bound of its speed leav
 Proof. Such an arc begins or ends at rest, at a peak. The work of the strongest inward
 push and of the weight over the path between bounds the speed, and the speed bounds Fz
 from below (`body` has the formulas). Where this leaves the sign open, Fz >= min(its
-ends) - (h^2/8) max |Fz''| on stretches of the march that are halved until the sign is
+ends) - (h^2/8) max |Fz''| on parts of steps that are halved until the sign is
 settled. Bounces that Lemma 7 closes: let B be the largest -u'' at the ground on the
 way, V the largest speed and u_m the largest u. Then
 
@@ -201,7 +201,7 @@ bounds hold.
 Test `contacts/test_sequences.py::test_no_peak_is_above_the_ceiling`,
 `contacts/test_sequences.py::test_marching_on_under_a_record_finds_the_same_peak`.
 
-# Lemma 15 (one outcome of a stretch of amplitudes)
+# Lemma 15 (one outcome of a stretch, of neighbouring amplitudes)
 
 Undamped body of Eq. 2.3, one cycle of a sine, which lifts the body in its first half at
 the least amplitude A_0 of a stretch of width d. Let y_0 be the path at A_0 without an

@@ -420,8 +420,8 @@ def response_under_records(
     omega: Array,
 ) -> tuple[Response, Array]:
     """As `response_with_speed`, for each cell under the record whose index is in
-    `which`, (cells,); it does not test for lost contact. `chains` must be True for
-    every record. The cells of all records share the pool.
+    `which`, (cells,); it does not test for lost contact. `can_share_records` must be
+    True for every record. The cells of all records share the pool.
     """
     from .observers.peak_speed import PeakSpeed
 
@@ -435,7 +435,7 @@ def response_under_records(
     )
 
 
-def chains(system: System, motion: Motion) -> bool:
+def can_share_records(system: System, motion: Motion) -> bool:
     """True for a record at equal steps without a vertical one, if cells of the undamped
     system may share a run with other records.
     """

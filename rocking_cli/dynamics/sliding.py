@@ -200,7 +200,7 @@ def _root(function: Any, low: float, high: float) -> float:
 
 
 @dataclass(frozen=True)
-class SlideStretch:
+class Slip:
     """One slide from rest to rest; lengths in a_g/omega_g^2, speeds in a_g/omega_g."""
 
     start: float  # phase [rad]
@@ -218,7 +218,7 @@ class Sliding:
 
     base: Base  # motion and friction
     ratio: float  # g/a_g [-]
-    slides: tuple[SlideStretch, ...]  # in their order
+    slides: tuple[Slip, ...]  # in their order
     # phase at which the ground falls away, where the slides end [rad]; infinite: never
     lost: float
 
@@ -244,7 +244,7 @@ class Sliding:
         """max |u'|."""
         return max(map(self.speed_of, self.slides), default=0.0)
 
-    def speed_of(self, one: SlideStretch) -> float:
+    def speed_of(self, one: Slip) -> float:
         """Return max |u'| of a slide."""
         return self.base.course_of(one, self.ratio).fastest(one.stop)
 
@@ -306,7 +306,7 @@ class Base:
         static, kinetic = self._drives
         least, level = self.friction.static * ratio, self.friction.kinetic * ratio
         loud = [drive.loud(least) for drive in static]
-        found: list[SlideStretch] = []
+        found: list[Slip] = []
         phase, u = 0.0, 0.0
         while True:
             right, left = (
@@ -321,7 +321,7 @@ class Base:
             stop = min(course.stop(), lost)
             if stop > start:
                 ends = u + side * float(course.at(np.array(stop))[0])
-                found.append(SlideStretch(start, stop, side, u, ends))
+                found.append(Slip(start, stop, side, u, ends))
                 u = ends
             phase = stop if stop > start else math.nextafter(start, math.inf)
         return Sliding(self, ratio, tuple(found), lost)
@@ -347,7 +347,7 @@ class Base:
         highest = 0.0 if weight is None else max(0.0, float(weight.highest.max()))
         return 1.0 - highest / ratio
 
-    def course_of(self, one: SlideStretch, ratio: float) -> _Course:
+    def course_of(self, one: Slip, ratio: float) -> _Course:
         """Return the course of a slide."""
         drive = self._drives[1][one.side < 0.0]
         return _Course.of(drive, self.friction.kinetic * ratio, one.start)

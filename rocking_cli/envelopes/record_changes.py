@@ -18,8 +18,8 @@ from ..dynamics.outcome import Outcome
 from ..dynamics.response import (
     CellInputs,
     Response,
+    can_share_records,
     cells_that_lose_contact,
-    chains,
     response,
     response_under_records,
 )
@@ -139,7 +139,7 @@ def _marched(asked: Sequence[RecordSearch], row: Array, amplitude: Array) -> Arr
     label = np.empty(row.size, dtype=np.uint8)
     runs: dict[object, list[int]] = {}
     for i, one in enumerate(asked):
-        together = chains(one.search.system, one.search.motion)
+        together = can_share_records(one.search.system, one.search.motion)
         key = one.system.march_key(mixed=True)
         runs.setdefault((key,) if together else i, []).append(i)
     for own in runs.values():

@@ -19,7 +19,7 @@ from .fitted_curve import Fit, drawn_at, rate_of
 from .hazard import HazardCurve
 from .measures import cell
 
-Row = tuple[int, dict[str, str]]  # line and cells by column
+CountRow = tuple[int, dict[str, str]]  # line and cells by column
 
 _LEVEL = "im"  # the column of levels that names no measure
 
@@ -151,7 +151,7 @@ def _measure_of(path: str | Path, column: str, im: str | None) -> Measure:
     return stated
 
 
-def _whole(path: str | Path, one: Row, column: str, least: int) -> float:
+def _whole(path: str | Path, one: CountRow, column: str, least: int) -> float:
     """Return the whole number of motions of a cell. Raises DocumentError."""
     line, row = one
     value = cell(path, line, row, column, "number")

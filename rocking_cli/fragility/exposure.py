@@ -31,8 +31,8 @@ from ..structures.parameters import RockingParameters
 from .fitted_curve import SlideLimit
 from .measures import MotionMember
 
-Interval = tuple[float, float]
-Task = tuple[int, int]  # indices of a structure and a motion
+Range = tuple[float, float]
+Pair = tuple[int, int]  # indices of a structure and a motion
 Progress = Callable[[float, int], None]
 
 _TOGETHER = 24  # searches that share a scan, at most
@@ -267,7 +267,7 @@ def traced(
     motions: MotionSet,
     workers: int | None = None,
     progress: Progress | None = None,
-) -> list[list[list[Interval]]]:
+) -> list[list[list[Range]]]:
     """Return for each structure and motion the intervals of the measure (SI) that
     overturn the structure, up to the highest level; the end of one that goes on beyond
     it is infinite. Under records intervals narrower than 0.5 % may be missed. progress:
@@ -280,9 +280,7 @@ def traced(
         if friction_that_slides(structure) is None  # others never overturn
         for k in range(len(motions.members))
     ]
-    found: list[list[list[Interval]]] = [
-        [[] for _ in motions.members] for _ in structures
-    ]
+    found: list[list[list[Range]]] = [[[] for _ in motions.members] for _ in structures]
     if not tasks:
         return found
     workers = workers or (available_cpus() if motions.of_records else 1)
@@ -314,8 +312,8 @@ def traced(
 
 
 def _shares(
-    motions: MotionSet, tasks: Sequence[Task], workers: int
-) -> list[Sequence[Task]]:
+    motions: MotionSet, tasks: Sequence[Pair], workers: int
+) -> list[Sequence[Pair]]:
     """Return the searches that go together: each under a pulse by itself; those under
     records in shares of equal size, with as long records in each.
     """
@@ -331,8 +329,8 @@ def _traced_together(
     structures: Sequence[RockingParameters],
     motions: MotionSet,
     tell: Callable[[float], None] | None,
-    tasks: Sequence[Task],
-) -> list[list[Interval]]:
+    tasks: Sequence[Pair],
+) -> list[list[Range]]:
     """Return the intervals of the measure [SI] that each of these searches finds. tell:
     called with the number of searches that are done, None in a worker process.
     """
@@ -350,7 +348,7 @@ def _traced_together(
     steps = steps_under_records(
         [asked[n] for n in lifting], lambda share: told(len(tasks) * share)
     )
-    found: list[list[Interval]] = [[] for _ in tasks]
+    found: list[list[Range]] = [[] for _ in tasks]
     for n, own in zip(lifting, steps, strict=True):
         found[n] = _intervals(own, units[n], motions.measure.power)
     told(float(len(tasks)))
@@ -378,7 +376,7 @@ def _search(
     )
 
 
-def _intervals(steps: OutcomeSteps, unit: float, power: float) -> list[Interval]:
+def _intervals(steps: OutcomeSteps, unit: float, power: float) -> list[Range]:
     """Return the intervals of the measure [SI] in which a body falls, from its outcomes
     along the amplitude; unit: A at which the measure is 1.
     """
@@ -391,7 +389,7 @@ def _intervals(steps: OutcomeSteps, unit: float, power: float) -> list[Interval]
     ]
 
 
-def first_of(intervals: Sequence[Sequence[Interval]]) -> Array:
+def first_of(intervals: Sequence[Sequence[Range]]) -> Array:
     """Return the intensity of first overturning under each motion, NaN without
     overturning, (members,).
     """
@@ -399,7 +397,7 @@ def first_of(intervals: Sequence[Sequence[Interval]]) -> Array:
 
 
 def share_overturned(
-    intervals: Sequence[Sequence[Interval]], weight: Array
+    intervals: Sequence[Sequence[Range]], weight: Array
 ) -> tuple[Array, Array]:
     """Return (the levels at which the exact share of overturning motions changes, the
     share from each level to the next).

@@ -26,9 +26,9 @@ from .drawn import DrawnExposure, drawn_exposure
 from .estimates import Estimate, cloud, first_overturning, stripes
 from .exposure import (
     Exposure,
-    Interval,
     MotionSet,
     Progress,
+    Range,
     as_recorded,
     exposures,
     first_of,
@@ -66,7 +66,7 @@ class Study:
     how: Resampling  # options of the bootstrap
     exposure: Exposure  # responses at the levels
     # overturning intervals of the measure for each motion, if traced
-    intervals: Sequence[Sequence[Interval]] | None = None
+    intervals: Sequence[Sequence[Range]] | None = None
     recorded: Exposure | None = None  # responses to the unscaled motions
     hazard: HazardCurve | None = None  # the hazard curve of the site
     # responses of the draws of a structure whose numbers have spreads
@@ -434,7 +434,7 @@ def studies(
     )
     if not found:
         return
-    every: list[Sequence[Sequence[Interval]] | None] = [None] * len(structures)
+    every: list[Sequence[Sequence[Range]] | None] = [None] * len(structures)
     if exact or "first" in methods:
         several = len(structures) > 1
         told = (

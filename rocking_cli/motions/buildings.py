@@ -153,7 +153,7 @@ def _parse_mode(text: str) -> BuildingMode:
     return mode
 
 
-class _Steps(NamedTuple):
+class _LinearSteps(NamedTuple):
     """The ground acceleration over steps, a straight line and sinusoids in each; it may
     jump between steps.
     """
@@ -165,7 +165,7 @@ class _Steps(NamedTuple):
     angle: Array  # argument of each sinusoid at the start [rad], (H, n)
 
     @classmethod
-    def of(cls, motion: Motion, omega: float) -> "_Steps":
+    def of(cls, motion: Motion, omega: float) -> "_LinearSteps":
         """Return the steps of a motion of this frequency [rad/s]: its straight pieces,
         and CYCLE steps in a cycle of its fastest sinusoid.
         """
@@ -189,7 +189,7 @@ class _Steps(NamedTuple):
                 column.append(value)
         return cls(*(np.concatenate(column, axis=-1) for column in columns))
 
-    def cut(self, parts: int) -> "_Steps":
+    def cut(self, parts: int) -> "_LinearSteps":
         """Return the same motion with each step cut into equal parts."""
         if parts == 1:
             return self
@@ -199,7 +199,7 @@ class _Steps(NamedTuple):
         line[:, -1] = self.line[1]
         angle = self.angle[..., None] + (self.rate * self.length)[..., None] * share
         count = parts * self.length.size
-        return _Steps(
+        return _LinearSteps(
             np.repeat(self.length / parts, parts),
             np.stack([line[:, :-1].ravel(), line[:, 1:].ravel()]),
             np.repeat(self.size, parts, axis=1),
@@ -254,7 +254,7 @@ def _marks_of(piece: Piece, other: Piece) -> Array:
     return np.linspace(piece.start, piece.stop, count + 1)
 
 
-class _Answer(NamedTuple):
+class _Vibration(NamedTuple):
     """The vibration of one mode under the steps."""
 
     start: Array  # u'' at the start of each step, after a jump, (n,)
@@ -263,7 +263,7 @@ class _Answer(NamedTuple):
     left: complex  # z after the last step, the ground at rest
 
 
-def _answer(steps: _Steps, mode: BuildingMode) -> _Answer:
+def _answer(steps: _LinearSteps, mode: BuildingMode) -> _Vibration:
     """Return the vibration of a mode from rest."""
     w, xi = 2.0 * math.pi / mode.period, mode.damping
     w_d = w * math.sqrt(1.0 - xi * xi)
@@ -282,7 +282,7 @@ def _answer(steps: _Steps, mode: BuildingMode) -> _Answer:
     jerk = -slope - 2.0 * xi * w * start - w * w * rate[:-1]
     swing = np.hypot(free, (jerk - quick + xi * w * free) / w_d)
     bend = w * w * swing + (square * np.abs(forces)).sum(axis=0)
-    return _Answer(start, end, bend, complex(states[-1]))
+    return _Vibration(start, end, bend, complex(states[-1]))
 
 
 def _states(grows: Array, forced: Array) -> Array:
@@ -338,7 +338,7 @@ def floor_of(
     ground = motion_from(ground)
     if isinstance(building, str):
         building = Building((_parse_mode(building),))
-    whole = _Steps.of(ground, omega)
+    whole = _LinearSteps.of(ground, omega)
     parts = 1
     while True:
         if parts * whole.length.size > MOST:
@@ -402,7 +402,7 @@ def floor_record(record: "Record", building: Building) -> "tuple[Record, float]"
 
 
 def _absolute(
-    building: Building, steps: _Steps, answers: Sequence[_Answer]
+    building: Building, steps: _LinearSteps, answers: Sequence[_Vibration]
 ) -> tuple[Array, Array]:
     """Return the absolute acceleration of the floor at the starts and ends of steps."""
     first, last = steps.first, steps.last
@@ -412,7 +412,9 @@ def _absolute(
     return first, last
 
 
-def _chord(building: Building, steps: _Steps, answers: Sequence[_Answer]) -> float:
+def _chord(
+    building: Building, steps: _LinearSteps, answers: Sequence[_Vibration]
+) -> float:
     """Return the bound of what straight lines over the steps and the tail miss."""
     bend, free = (np.abs(steps.size) * steps.rate**2).sum(axis=0), 0.0
     for mode, answer in zip(building.modes, answers, strict=True):
@@ -433,7 +435,7 @@ def _free(mode: BuildingMode, z: complex, times: Array) -> tuple[Array, float]:
 
 
 def _tail_of(
-    building: Building, answers: Sequence[_Answer], step: float, peak: float
+    building: Building, answers: Sequence[_Vibration], step: float, peak: float
 ) -> Array:
     """Return the floor's free vibration at each step after the motion, until the sum of
     the amplitudes of its modes is down to TAIL of the peak.
@@ -462,7 +464,7 @@ def _tail_of(
     return found
 
 
-def _marks(ground: Motion, steps: _Steps, tail: int, omega: float) -> Array:
+def _marks(ground: Motion, steps: _LinearSteps, tail: int, omega: float) -> Array:
     """Return the times of the floor's motion [s], with so many steps of a tail."""
     ends = np.append(0.0, np.cumsum(steps.length))
     if np.ptp(steps.length) > 1e-12 * ends[-1]:

@@ -271,7 +271,7 @@ class FloorSpectrum:
         return max(here * period**2, least) / (4.0 * math.pi**2)
 
 
-Spectrum = MotionSpectrum | SpectrumFile | FloorSpectrum
+AnySpectrum = MotionSpectrum | SpectrumFile | FloorSpectrum
 
 
 def damping_factor(damping: float) -> float:

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from ..arrays import Array
-from ..dynamics.equations.equation import Equation, Point
+from ..dynamics.equations.equation import Equation, Instant
 from ..dynamics.equations.taylor import TaylorSeries
 from ..dynamics.outcome import LOST, Outcome
 from ..motions.blocks import blocks
@@ -50,7 +50,7 @@ class HistoryArcs(NamedTuple):
         )
         return inside, arc[inside]
 
-    def points(self, arc: Array, tau: Array) -> Point:
+    def points(self, arc: Array, tau: Array) -> Instant:
         """Return y and its derivatives at times tau; arc: the index of the arc of each
         time.
         """

@@ -13,10 +13,10 @@ from ..arrays import Array
 
 _DEGREE = 24
 # last coefficients over the largest: the place of an extremum is then good to 1e-5 of
-# the stretch, its value to rounding
+# the interval, its value to rounding
 _ENDED = 1e-10
 _SMALL = 1e-14  # coefficients that are rounding
-_DEEPEST = 12  # halvings of a stretch whose series does not end
+_DEEPEST = 12  # halvings of an interval whose series does not end
 
 
 class Extent(NamedTuple):

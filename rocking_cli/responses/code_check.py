@@ -26,10 +26,10 @@ from ..envelopes.first_falls import Climb, lowest_falls
 from ..errors import UsageError
 from ..motions import Motion
 from ..motions.design_spectra import (
+    AnySpectrum,
     FloorMode,
     FloorSpectrum,
     MotionSpectrum,
-    Spectrum,
     SpectrumFile,
     read_spectrum,
 )
@@ -108,7 +108,7 @@ class CodeCheck(Shown):
     slv: Reached  # limit state of life safety
     slc: Reached  # limit state of collapse
     curve: CapacityCurve  # of the mechanism
-    spectrum: Spectrum  # of the demand
+    spectrum: AnySpectrum  # of the demand
     # True for the spectrum of a floor, if the dynamics are on the ground
     on_floor: bool
 
@@ -265,7 +265,7 @@ def code_check(
             f"`fc`: found {confidence:g}; expected a confidence factor from 1, such as"
             " 1.35"
         )
-    demand: Spectrum
+    demand: AnySpectrum
     apart = bool(floor)  # from the dynamics, which are those on the ground
     if isinstance(motion, Motion) and motion.floor is not None:
         apart = False
@@ -318,7 +318,7 @@ def _reached(
     curve: CapacityCurve,
     factor: float,
     state: LimitState,
-    demand: Spectrum,
+    demand: AnySpectrum,
     amplitude: float,
     uplift: float,
 ) -> Reached:

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..arrays import Array
-from ..dynamics.equations.equation import Equation, Point
+from ..dynamics.equations.equation import Equation, Instant
 from ..motions.blocks import blocks
 from ..structures.mechanics.measured import Measured
 from ..structures.parameters import RockingParameters
@@ -43,7 +43,7 @@ class Instants(NamedTuple):
 
     side: float  # +1 or -1
     equation: Equation  # of motion, on the side of each instant
-    point: Point  # y and its derivatives in the unit of the side
+    point: Instant  # y and its derivatives in the unit of the side
     across: Array  # xg''/g, (n,)
     up: Array  # zg''/g, (n,)
 

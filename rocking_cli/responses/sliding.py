@@ -14,7 +14,7 @@ import numpy as np
 
 from ..digits import digits_apart
 from ..dynamics.outcome import LOST, Outcome
-from ..dynamics.sliding import Base, SlideStretch, Sliding
+from ..dynamics.sliding import Base, Sliding, Slip
 from ..errors import ArgumentError, UsageError
 from ..motions import Motion
 from ..motions.given import AnyMotion, demand_of
@@ -248,7 +248,7 @@ class SlideHistory(Shown):
             yield self._event(LOST, self.sliding.lost, self.sliding.residual, None)
 
     def _event(
-        self, word: str, phase: float, u: float, one: SlideStretch | None
+        self, word: str, phase: float, u: float, one: Slip | None
     ) -> dict[str, Any]:
         speed = None if one is None else one.side * self.sliding.speed_of(one)
         return {

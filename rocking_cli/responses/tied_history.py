@@ -20,7 +20,7 @@ from .arcs import INVISIBLE, DeviceForces, History, Writer
 STATES = ("elastic", "yielded", "broken")  # of ties and tendons
 
 
-class _Recorder(Writer):
+class _TiedWriter(Writer):
     """Writes down the march of one body with ties or a tendon, up to the phase `until`
     [rad].
     """
@@ -137,7 +137,7 @@ def tied_history(
     """Return the history of a body with ties or a tendon; arguments as `history`.
     Raises UsageError for a vertical motion.
     """
-    recorder = _Recorder(system, duration * omega, omega)
+    recorder = _TiedWriter(system, duration * omega, omega)
     recorder.march = march = March(
         system,
         motion.coarsest,

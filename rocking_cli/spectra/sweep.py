@@ -28,7 +28,7 @@ from .error_bound import Conditions, tolerance_of
 from .results import Spectrum, Summary
 from .scene import PulseScene, Scene, Unit, cut_into_units
 from .verification import Verification, default_check, validity
-from .work.jobs import Block, Crew, Job, Report, local_crew, unit_reports
+from .work.jobs import CellValues, Crew, Job, Report, local_crew, unit_reports
 
 if TYPE_CHECKING:
     from .file.layout import FileLayout
@@ -37,7 +37,7 @@ _MOST_UNITS = 1_000_000
 CHUNK_CELLS = 131072
 _SMALL = 100_000  # cells below which starting processes takes longer than they save
 
-Progress = Callable[[int, int], None]
+CellProgress = Callable[[int, int], None]
 
 
 @dataclass(frozen=True)
@@ -75,7 +75,7 @@ class SweepOptions:
     quantities: Sequence[str] = ()  # names of `QUANTITIES` to compute as well
     # compare some cells of a linear sweep with the nonlinear equation
     sample_validity: bool = False
-    progress: Progress | None = None  # called with (units done, all units)
+    progress: CellProgress | None = None  # called with (units done, all units)
     # called with a line while the sweep waits for its cluster
     tell: Callable[[str], None] | None = None
     impacts: bool = False  # store impacts_at_least
@@ -246,7 +246,7 @@ def spectrum_of(scene: Scene, options: SweepOptions | None = None) -> Spectrum:
         for name in options.variables_of(scene)
     }
 
-    def keep(unit: Unit, blocks: tuple[Block, ...]) -> None:
+    def keep(unit: Unit, blocks: tuple[CellValues, ...]) -> None:
         rows, columns = blocks[0]["outcome"].shape
         for i, block in zip(unit.places, blocks, strict=True):
             for name, values in arrays.items():
@@ -398,7 +398,7 @@ def _layout(scene: Scene, options: SweepOptions) -> "FileLayout":
 
 
 def _packed(
-    names: Sequence[str], chunk: tuple[int, int], block: Block
+    names: Sequence[str], chunk: tuple[int, int], block: CellValues
 ) -> dict[str, bytes]:
     """Return the bytes of the variables of a block as the file stores them, and its
     packed conditions; worker processes call this.
@@ -429,7 +429,7 @@ def _units_of(scene: Scene, options: SweepOptions) -> list[Unit]:
 
 
 @dataclass
-class _Counts:
+class _Totals:
     """What the units of a shard add up to."""
 
     outcomes: np.ndarray  # number of cells of each `Outcome`
@@ -453,7 +453,7 @@ def _run(
     options: SweepOptions,
     units: Sequence[Unit],
     keep: Callable[[Unit, Any], None],
-    convert: Callable[[Block], Any] | None = None,
+    convert: Callable[[CellValues], Any] | None = None,
     found: Callable[[Unit], np.ndarray | None] = lambda unit: None,
 ) -> Summary:
     """Compute the units of a shard, and call `keep` with each unit and its converted
@@ -468,7 +468,7 @@ def _run(
     verification = Verification(scene, check, chunk, todo)
     job = Job(scene, chunk, verification.wanted, convert, quantities)
 
-    counts = _Counts(
+    counts = _Totals(
         resumed.copy(),
         np.zeros(len(Difference), dtype=np.int64),
         Work(),

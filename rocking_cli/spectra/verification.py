@@ -28,7 +28,7 @@ from ..structures.parameters import RockingParameters
 from .error_bound import tolerance_of
 from .scene import PulseScene, Scene, Unit
 
-Place = tuple[int, int, int]  # (structure, row, column) of a cell
+CellPlace = tuple[int, int, int]  # (structure, row, column) of a cell
 
 _SEED = 20120924
 _CANDIDATES = 128  # candidates for the most sensitive cells
@@ -56,14 +56,14 @@ def sampled_cells(
     check: int,
     seed: int = _SEED,
     share: float = 1.0,
-    there: Callable[[Place], bool] = lambda place: True,
+    there: Callable[[CellPlace], bool] = lambda place: True,
 ) -> Array:
     """Return (structure, row, column) of `check` cells, drawn by chance from all cells
     that uplift. there: True for the cells to draw from, which are this share of all.
     """
     uplift: dict[int, float] = {}  # amplitude of uplift of each structure
 
-    def uplifts(at: Place) -> bool:
+    def uplifts(at: CellPlace) -> bool:
         cell = scene.cell(*at)
         if friction_that_slides(cell.structure) is not None:
             return False
@@ -78,7 +78,7 @@ def sampled_cells(
     return np.array(found, dtype=np.int64).reshape(-1, 3)
 
 
-def _drawn(scene: Scene, count: int, seed: int) -> Iterator[Place]:
+def _drawn(scene: Scene, count: int, seed: int) -> Iterator[CellPlace]:
     """Yield the places of so many draws from all cells that are computed, each place
     once; a small grid is drawn several times.
     """
@@ -93,7 +93,7 @@ def _drawn(scene: Scene, count: int, seed: int) -> Iterator[Place]:
         )
         for _ in range(count)
     )
-    once: set[Place] = set()
+    once: set[CellPlace] = set()
     for place in places:
         if place not in once:
             once.add(place)
@@ -130,7 +130,7 @@ class Answer(NamedTuple):
     judged: Outcome | None  # outcome by the nonlinear equation, None if not compared
 
 
-def reference(scene: Scene, place: Place) -> Answer:
+def reference(scene: Scene, place: CellPlace) -> Answer:
     """Return the answer for a cell by the reference, which shares no code with the
     march.
     """
@@ -152,11 +152,11 @@ class Verification:
         self.scene = scene
         self.chunk = chunk
         # (outcome, theta/alpha, condition) that the sweep found at `wanted`
-        self.seen: dict[Place, tuple[int, float, float]] = {}
+        self.seen: dict[CellPlace, tuple[int, float, float]] = {}
         # the places that are checked: True if one was chosen for its sensitivity, False
         # if it was drawn by chance
-        self.sensitive: dict[Place, bool] = {}
-        self.answers: dict[Place, Answer] = {}  # those that the reference found
+        self.sensitive: dict[CellPlace, bool] = {}
+        self.answers: dict[CellPlace, Answer] = {}  # those that the reference found
         self.seconds = 0.0  # time that the checks took [s]
         with self._timed():
             self._units = {(unit.places[0], unit.row, unit.column) for unit in units}
@@ -170,25 +170,25 @@ class Verification:
             self._candidates = pairs  # cells, and the cells next to them
             places = {*self._drawn, *(place for pair in pairs for place in pair)}
             # the places of each unit whose results are needed, by its first cell
-            self.wanted: dict[Place, list[Place]] = {}
+            self.wanted: dict[CellPlace, list[CellPlace]] = {}
             for place in sorted(places):
                 self.wanted.setdefault(self._unit_of(place), []).append(place)
 
-    def _cells_drawn(self, share: float) -> list[Place]:
+    def _cells_drawn(self, share: float) -> list[CellPlace]:
         """Return the cells that are drawn by chance, as many as are checked."""
 
-        def there(place: Place) -> bool:
+        def there(place: CellPlace) -> bool:
             return self._unit_of(place) in self._units
 
         found = sampled_cells(self.scene, self.check, share=share, there=there)
         return [(i, row, column) for i, row, column in found.tolist()]
 
-    def _unit_of(self, place: Place) -> Place:
+    def _unit_of(self, place: CellPlace) -> CellPlace:
         """Return the first cell of the unit that holds a place."""
         i, row, column = place
         return i, row - row % self.chunk[0], column - column % self.chunk[1]
 
-    def _pairs(self) -> list[tuple[Place, Place]]:
+    def _pairs(self) -> list[tuple[CellPlace, CellPlace]]:
         """Return candidates for the most sensitive cells, each with the next cell along
         the last dimension, or along the second of a grid of one column.
         """
@@ -213,7 +213,7 @@ class Verification:
         yield
         self.seconds += time.perf_counter() - began
 
-    def ask(self, run: Callable[[Iterable[Place]], Iterator[Answer]]) -> None:
+    def ask(self, run: Callable[[Iterable[CellPlace]], Iterator[Answer]]) -> None:
         """Choose the cells to check from what the sweep has found, and let `run` answer
         them by the reference.
         """
@@ -224,11 +224,11 @@ class Verification:
             self.sensitive = dict.fromkeys(drawn, False) | chosen
             self.answers = dict(zip(self.sensitive, run(self.sensitive), strict=True))
 
-    def _most_sensitive(self) -> list[Place]:
+    def _most_sensitive(self) -> list[CellPlace]:
         """Return half as many candidates as are checked, at least one: those whose
         rotation differs most from that of the next cell.
         """
-        changes: dict[Place, float] = {}
+        changes: dict[CellPlace, float] = {}
         for place, other in self._candidates:
             (outcome, theta, _), (beside, next_theta, _) = (
                 self.seen[place],
@@ -279,7 +279,7 @@ class Verification:
             ),
         }
 
-    def _unexplained(self, place: Place, apart: float) -> bool:
+    def _unexplained(self, place: CellPlace, apart: float) -> bool:
         """True if a difference of theta/alpha exceeds the bound of the cell."""
         bound = tolerance_of(self.scene.method) * self.seen[place][2]
         return not apart <= bound

@@ -59,7 +59,7 @@ _COMMENTED = re.compile(r"[ #-]*([a-z_]+):[^#]*#\s*(.+)")
 
 def document_schema() -> Schema:
     """Return a JSON Schema (draft 7) of one structure document of any kind."""
-    readings = {word: _Reading(word) for word in KINDS}
+    readings = {word: _KindReading(word) for word in KINDS}
     asked = {key: None for one in readings.values() for key in one.log.known}
     others = sorted(key for key in asked if "." not in key)
     reported = {key: None for word in KINDS for key in reports_of(word)}
@@ -142,7 +142,7 @@ def _descriptions() -> dict[tuple[str, str], str]:
     return found
 
 
-class _Reading:
+class _KindReading:
     """What the reader of one kind asks, over many documents."""
 
     def __init__(self, word: str) -> None:

@@ -129,7 +129,7 @@ def bounces_to_end(segments: Segments, lanes: Lanes, equation: Equation) -> Arra
     return found
 
 
-class _Lines(NamedTuple):
+class _BounceLines(NamedTuple):
     """Lines of a record under one body (Lemma 14). Every array is (lines,)."""
 
     largest: Array  # e: largest |c|, the drive towards +x [-]
@@ -245,7 +245,7 @@ def _jumps(
 
 def _lines(
     segments: Segments, lane: Lanes, at: slice, ends: Array, first: bool
-) -> _Lines:
+) -> _BounceLines:
     """The lines of these segments for one body; ends: c at the start of the first and
     at the end of each; first: True if the body is on the first of them now.
     """
@@ -255,7 +255,7 @@ def _lines(
     duration = segments.length[at] / omega
     if first:
         duration[0] -= phase / omega
-    return _Lines(
+    return _BounceLines(
         np.maximum(np.abs(ends[:-1]), np.abs(ends[1:])),
         amplitude * omega * segments.slope[at],
         duration,

@@ -115,7 +115,7 @@ def sequence_bounds(
     )
 
 
-class _Path(NamedTuple):
+class _ForcesAhead(NamedTuple):
     """The forces over the longest duration of a sequence of impacts, and how far they
     let its speeds grow. Every array is (lanes,).
     """
@@ -159,7 +159,7 @@ def _path_of(
     there: OtherSide | None,
     speed_ratio: Array,
     still: Array | bool = False,
-) -> _Path:
+) -> _ForcesAhead:
     """Return the forces over the longest duration of these sequences; still: True for
     lanes whose bounces are below rounding.
     """
@@ -175,7 +175,7 @@ def _path_of(
     )
     then = forces_at_ground(segments, lanes, there, later)
     growth, gains, other_gains = _growth(now, then, there, segments.weighed is not None)
-    return _Path(scale, duration, later, now, then, growth, gains, other_gains)
+    return _ForcesAhead(scale, duration, later, now, then, growth, gains, other_gains)
 
 
 def _growth(

@@ -18,13 +18,13 @@ from ...arrays import Array
 from ...errors import ArgumentError
 from ...motions.segments import Segments
 from ..lanes import Lanes
-from .recurrence import Rows, Series
+from .recurrence import Series, TermRows
 
 if TYPE_CHECKING:
     from .taylor import TaylorSeries
 
 
-class Point(NamedTuple):
+class Instant(NamedTuple):
     """State of lanes at an instant of an arc. Every array is (lanes,)."""
 
     y: Array  # displacement, in the unit of the side
@@ -37,10 +37,10 @@ class Drive(NamedTuple):
     """The shaking of lanes: series in powers of the time over `unit`, from now on."""
 
     # terms of the outward drive over its value at uplift [-], (terms, lanes)
-    terms: Rows
+    terms: TermRows
     unit: Array  # unit of time of the series [tau], (lanes,)
     # terms of the weight over m g [-], (terms, lanes); None if it is constant
-    weight: Rows | None = None
+    weight: TermRows | None = None
 
 
 _STEP = 1e-6  # change of y for a derivative by differences

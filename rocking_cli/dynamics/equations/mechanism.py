@@ -27,7 +27,7 @@ from ..drive import summed
 from ..lanes import Lanes
 from .equation import Equation, falls_by_energy
 from .patches import DEGREE, inverse, largest, tabulate
-from .recurrence import Rows, Series
+from .recurrence import Series, TermRows
 from .taylor import (
     MOST_TERMS,
     TaylorSeries,
@@ -307,7 +307,7 @@ class MechanismEquation(Equation):
 
 
 def composed(
-    local: Array, y: Rows, new: Callable[[], Series]
+    local: Array, y: TermRows, new: Callable[[], Series]
 ) -> tuple[Series, Series, Callable[[int], None]]:
     """The series of F(y) and G(y) along the series of y, as `Equation.along`, for many
     lanes; local: those of F and G in powers of y - y0 about the present y0, (2, terms,

@@ -7,7 +7,7 @@ time over a unit the terms of y are
     Y_(n+2) = unit^2/((n + 1)(n + 2)) [(a G)_n - (w F)_n] - 2 zeta unit Y_(n+1)/(n + 2)
 
 The same code serves one body (a series is a list of floats), a scan (a list of arrays)
-and a sweep (`Rows`, where a product of two series is one call).
+and a sweep (`TermRows`, where a product of two series is one call).
 """
 
 from collections.abc import Callable
@@ -18,7 +18,8 @@ import numpy as np
 
 from ...arrays import Array
 
-Series = Any  # a list of floats or of arrays, or Rows: terms 0, 1, 2 ... of a series
+# terms 0, 1, 2 ... of a series: a list of floats or of arrays, or TermRows
+Series = Any
 
 
 class Recurrence(Protocol):
@@ -45,7 +46,7 @@ class Recurrence(Protocol):
         """Return the equation of some of its lanes."""
 
 
-class Rows:
+class TermRows:
     """A series whose terms are the rows of one array, (terms, lanes), for many lanes.
 
     The array has two columns for a single lane: NumPy sums one column in another order,
@@ -59,7 +60,7 @@ class Rows:
         self.count = 0  # terms that are known
 
     @classmethod
-    def of(cls, *terms: Array) -> "Rows":
+    def of(cls, *terms: Array) -> "TermRows":
         """Return the series with these terms, each (lanes,)."""
         rows = cls(len(terms), terms[0].size)
         for term in terms:
@@ -67,7 +68,7 @@ class Rows:
         return rows
 
     @classmethod
-    def from_array(cls, terms: Array) -> "Rows":
+    def from_array(cls, terms: Array) -> "TermRows":
         """Return the series whose terms are these rows, (terms, lanes)."""
         rows = cls(0, 0)
         rows.array = terms.repeat(2, axis=1) if terms.shape[1] == 1 else terms
@@ -139,11 +140,11 @@ def motion_terms(
     """
     count = len(factors) + 2
     new: Callable[[], Series] = list
-    if isinstance(drive, Rows):
+    if isinstance(drive, TermRows):
         lanes = y.size
 
         def new() -> Series:
-            return Rows(count, lanes)
+            return TermRows(count, lanes)
 
     motion = new()
     motion.append(y)
@@ -164,4 +165,4 @@ def motion_terms(
         if drag is not None:
             own = own - drag * (n + 1) * motion[n + 1]
         motion.append(own * factor)
-    return motion.array[:, : y.size] if isinstance(drive, Rows) else motion
+    return motion.array[:, : y.size] if isinstance(drive, TermRows) else motion

@@ -15,8 +15,8 @@ from ...motions.blocks import blocks
 from ...motions.segments import Segments
 from ..drive import segment_value
 from ..lanes import Arrays, Lanes
-from .equation import Drive, Point
-from .recurrence import Recurrence, Rows, motion_terms
+from .equation import Drive, Instant
+from .recurrence import Recurrence, TermRows, motion_terms
 
 # Allowed error of a step, in y', over the tolerance: errors double every 0.7 in tau,
 # and grow by a factor of tens under a pulse.
@@ -25,6 +25,8 @@ CACHED = 4096  # lanes for which the recurrences stay in the second-level cache
 LOWEST, HIGHEST = 1e-13, 1e-2  # range of tolerances
 LONGEST = 1.0  # tau: a series of `MOST_TERMS` holds any tolerance up to it
 MOST_TERMS = 24
+# 1/((n + 1)(n + 2)), by which term n + 2 of y follows from term n of y''
+RECIPROCALS = [1.0 / ((n + 1) * (n + 2)) for n in range(2 * MOST_TERMS)]
 # error of a step, in y', over the tolerance: after a hundred impacts it has grown
 # further than under a pulse
 WITHIN = 1e-2 * LOCAL
@@ -66,7 +68,7 @@ class TaylorSeries(Arrays):
         """Acceleration at the start."""
         return 2.0 * self.terms[2] / self.unit**2
 
-    def at(self, h: Array) -> Point:
+    def at(self, h: Array) -> Instant:
         """y and its first three derivatives after h [tau], (lanes,)."""
         return self.point(self.over(h), h)
 
@@ -77,7 +79,7 @@ class TaylorSeries(Arrays):
         return terms
 
     @staticmethod
-    def point(terms: Array, h: Array) -> Point:
+    def point(terms: Array, h: Array) -> Instant:
         """Return the state after h, by the terms of y `over` h."""
         # NumPy sums a single lane in another order: no digit may depend on a lane's
         # neighbours
@@ -87,7 +89,7 @@ class TaylorSeries(Arrays):
             :, : h.size
         ]
         over = 1.0 / np.maximum(h, _TINY)
-        return Point(y, v * over, b * over * over, j * over * over * over)
+        return Instant(y, v * over, b * over * over, j * over * over * over)
 
 
 def powers(x: Array, count: int) -> Array:
@@ -161,7 +163,7 @@ def drive_series(
     terms[0] = outward * (segments.s_start[lanes.segment] + here[0])
     _fill(terms, segments, lanes, here, outward, w, unit)
     if weighed is None:
-        return Drive(Rows.from_array(terms), unit), fastest
+        return Drive(TermRows.from_array(terms), unit), fastest
     # The weight over m g is a series in the same powers: 1 + sway s_v.
     rows, vertical = np.empty(terms.shape), weighed.vertical
     sway = weighed.sway(lanes.side, lanes.amplitude)
@@ -173,7 +175,7 @@ def drive_series(
     )
     rows[0] = 1.0 + sway * (vertical.s_start[lanes.segment] + change)
     _fill(rows, vertical, lanes, rise, sway, up[0], unit)
-    return Drive(Rows.from_array(terms), unit, Rows.from_array(rows)), fastest
+    return Drive(TermRows.from_array(terms), unit, TermRows.from_array(rows)), fastest
 
 
 def _comb_series(
@@ -206,7 +208,7 @@ def _comb_series(
         terms[1] += slope / w.max()
     terms *= powers(fastest * unit, order + 1)
     terms *= -lanes.side * lanes.amplitude
-    return Drive(Rows.from_array(terms), unit), 1.0 / unit
+    return Drive(TermRows.from_array(terms), unit), 1.0 / unit
 
 
 def _fill(
@@ -257,7 +259,7 @@ def series_flow(
             segments, some, order - 2, rate if isinstance(rate, float) else rate[block]
         )
         square = drive.unit * drive.unit
-        factors = [square * (1.0 / ((n + 1) * (n + 2))) for n in range(order - 1)]
+        factors = [square * c for c in RECIPROCALS[: order - 1]]
         y[:, block] = motion_terms(
             own,
             some.y,
@@ -366,7 +368,7 @@ def line_flow(
     unit = np.clip(
         (segments.length[lanes.segment] - lanes.phase) / lanes.omega, _LEAST, LONGEST
     )
-    drive = Drive(Rows.of(start, slope * lanes.omega * unit), unit)
+    drive = Drive(TermRows.of(start, slope * lanes.omega * unit), unit)
     if (weighed := segments.weighed) is not None:
         heavier = (
             weighed.sway(lanes.side, lanes.amplitude)
@@ -375,7 +377,7 @@ def line_flow(
             * unit
         )
         drive = drive._replace(
-            weight=Rows.of(
+            weight=TermRows.of(
                 weighed.weight(lanes.side, lanes.amplitude, lanes.segment, lanes.phase),
                 heavier,
             )

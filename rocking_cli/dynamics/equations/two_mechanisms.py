@@ -15,7 +15,7 @@ from ...motions.segments import Segments
 from ..lanes import Lanes
 from .equation import Equation
 from .mechanism import MechanismEquation, composed
-from .recurrence import Rows, Series
+from .recurrence import Series, TermRows
 from .taylor import TaylorSeries, line_flow, series_flow
 
 
@@ -121,7 +121,7 @@ class TwoMechanisms(Equation):
         """The series of F and G about the present y, composed with that of the
         motion.
         """
-        assert isinstance(y, Rows)
+        assert isinstance(y, TermRows)
         count = len(y.array) - 2
         local = self._each(lambda one, at: one.near(y[0][at], count), y[0].size)
         return composed(local, y, new)

@@ -20,7 +20,7 @@ import numpy as np
 
 from ...arrays import Array
 from ...motions.segments import Segments
-from ..equations.equation import Equation, Point
+from ..equations.equation import Equation, Instant
 from ..equations.taylor import MOST_TERMS, TaylorSeries, powers
 from ..lanes import Lanes
 from .roots import bernstein_form, fall_guess, only_root, turn_guess
@@ -35,7 +35,7 @@ class StepResult(NamedTuple):
 
     arc: TaylorSeries  # the motion from its start
     whole: Array  # True where the step ends with the closed form of the drive
-    end: Point  # the state at the end of the step
+    end: Instant  # the state at the end of the step
     reach: Array  # time from the start to the impact, or to the end of the step [tau]
     hit: Array  # True where the lane hit the ground
     impact_v: Array  # velocity y' just before the impact

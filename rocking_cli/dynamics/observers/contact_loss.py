@@ -4,8 +4,8 @@ which `body` does not prove it beforehand.
 A cell is marched once more, and then watched, if neither its ground acceleration
 (`body.safe_acceleration`) nor its largest rotation proves Fz > 0.
 
-Along a step Fz stays above its chord less the chord error. A stretch for which this
-does not prove Fz > 0 is halved; if Fz <= 0 at an end of a stretch, the body has lost
+Along a step Fz stays above its chord less the chord error. A part of a step for which
+this does not prove Fz > 0 is halved; if Fz <= 0 at an end of a part, the body has lost
 the ground. A sequence of impacts is closed early only if Fz > 0 is proved for all its
 bounces.
 
@@ -31,7 +31,7 @@ from ..contacts.sequences import STILL, sequence_bounds
 from ..lanes import Arrays, Lanes
 from .observer import Arcs, Observer
 
-# least denominator in the bound of |u'|; a stretch for which it is smaller is too long
+# least denominator in the bound of |u'|; a part for which it is smaller is too long
 # for a bound
 _ROOM = 0.25
 _MARGIN = 1.01  # times a speed that was found to 1e-6 bounds this speed
@@ -41,7 +41,7 @@ _HALVINGS = 30
 
 @dataclass
 class Ends(Arrays):
-    """The motion at one end of each stretch. Every array is (stretches,)."""
+    """The motion at one end of each part. Every array is (parts,)."""
 
     u: Array  # rotation |theta| [rad]
     v: Array  # u', by tau [rad]
@@ -50,8 +50,8 @@ class Ends(Arrays):
 
 
 class ShakingBounds(NamedTuple):
-    """Bounds of the shaking on each stretch, with derivatives by tau. Every array is
-    (stretches,).
+    """Bounds of the shaking on each part, with derivatives by tau. Every array is
+    (parts,).
     """
 
     push: Array  # largest |push| over g [-]
@@ -65,7 +65,7 @@ class ShakingBounds(NamedTuple):
 def chord_errors(
     body: Body, edge: Edge, s: ShakingBounds, h: Array, one: Ends, other: Ends
 ) -> Array:
-    """h^2/8 times a bound of |Fz''| over m g; infinite where the stretch is too long
+    """h^2/8 times a bound of |Fz''| over m g; infinite where the part is too long
     for a bound of |u'|. |u'''| is at most P' + W' |z| + 2 zeta (P + W |z|) and (P + W +
     4 zeta^2) |u'|, for the nonlinear equation with |sin z| for |z|; the linear one has
     no P |u'|.
@@ -96,7 +96,7 @@ def chord_errors(
 def _largest_speed(
     body: Body, edge: Edge, s: ShakingBounds, h: Array, one: Ends, other: Ends
 ) -> tuple[Array, Array]:
-    """(V, a bound of |u'| on each stretch, infinite where the stretch is too long; a
+    """(V, a bound of |u'| on each part, infinite where the part is too long; a
     bound of |z|).
     """
     zeta2, heavy, eighth = 2.0 * body.damping, 1.0 + s.sway, 0.125 * h * h
@@ -187,7 +187,7 @@ class ContactLoss(Observer):
         )
         for _ in range(_HALVINGS if at.size else 0):
             self._lost[lanes.cell[~((one.fz > 0.0) & (other.fz > 0.0))]] = True
-            # a stretch too long for a bound of |u'| stays unproved
+            # a part too long for a bound of |u'| stays unproved
             with np.errstate(invalid="ignore"):
                 error = chord_errors(
                     self.body,

@@ -1,5 +1,5 @@
 """The largest value of a quantity along the motion of each cell, found to 1e-6, not
-proved. Values and slopes at both ends of a short stretch give a cubic; the quantity is
+proved. Values and slopes at both ends of a short span give a cubic; the quantity is
 evaluated at its peak, and the search repeats on the part that holds the peak.
 """
 
@@ -11,21 +11,21 @@ import numpy as np
 from ...arrays import Array
 from ..lanes import Arrays
 
-_CUT = 1.6  # longest stretch, times the rate of change of the quantity
-_CUTS = 7  # largest number of evaluations inside a stretch, at peaks of cubics
+_CUT = 1.6  # longest span, times the rate of change of the quantity
+_CUTS = 7  # largest number of evaluations inside a span, at peaks of cubics
 
 
 @dataclass
 class ExtremePoint(Arrays):
-    """A quantity and its slope by the time at points. Every array is (stretches,)."""
+    """A quantity and its slope by the time at points. Every array is (spans,)."""
 
     value: Array  # the quantity, in its own unit
     slope: Array  # its derivative by tau
 
 
 @dataclass
-class SearchStretches(Arrays):
-    """Intervals of time of several motions. Every array is (stretches,)."""
+class TimeSpans(Arrays):
+    """Intervals of time of several motions. Every array is (spans,)."""
 
     own: Array  # index of the motion
     low: Array  # start of the interval [tau]
@@ -62,20 +62,20 @@ class Extremes:
         self,
         cell: Array,
         along: Along,
-        s: SearchStretches,
+        s: TimeSpans,
         one: ExtremePoint,
         other: ExtremePoint,
     ) -> None:
-        """Raise the extremes of these cells to the largest values on stretches, (n,).
+        """Raise the extremes of these cells to the largest values on spans, (n,).
         along: function of (indices of motions, times) that returns the quantity; one,
-        other: the quantity at the start and at the end of each stretch. The value found
-        on a stretch depends neither on other stretches nor on the extremes so far.
+        other: the quantity at the start and at the end of each span. The value found
+        on a span depends neither on other spans nor on the extremes so far.
         """
         best = np.maximum(one.value, other.value)
         self.include(cell, best)
         with np.errstate(all="ignore"):
             for _ in range(_CUTS):
-                # Stretches on which the cubic may exceed the largest value so far.
+                # Spans on which the cubic may exceed the largest value so far.
                 at = np.flatnonzero(_excess(s, one, other, self.largest[cell]) > 0.0)
                 if not at.size:
                     return
@@ -97,10 +97,10 @@ class Extremes:
 
 
 def parts(
-    along: Along, whole: SearchStretches, start: ExtremePoint, end: ExtremePoint
-) -> tuple[SearchStretches, ExtremePoint, ExtremePoint]:
-    """Short parts of whole stretches, and the values at their starts and ends; start,
-    end: values at the ends of the whole stretches.
+    along: Along, whole: TimeSpans, start: ExtremePoint, end: ExtremePoint
+) -> tuple[TimeSpans, ExtremePoint, ExtremePoint]:
+    """Short parts of whole spans, and the values at their starts and ends; start,
+    end: values at the ends of the whole spans.
     """
     count = np.maximum(
         np.ceil((whole.high - whole.low) * whole.rate / _CUT), 1.0
@@ -119,9 +119,9 @@ def parts(
 
 
 def _excess(
-    s: SearchStretches, one: ExtremePoint, other: ExtremePoint, level: Array
+    s: TimeSpans, one: ExtremePoint, other: ExtremePoint, level: Array
 ) -> Array:
-    """The largest value - level inside a stretch: an inner Bernstein coefficient of the
+    """The largest value - level inside a span: an inner Bernstein coefficient of the
     cubic, plus an estimate of its error.
     """
     h = s.high - s.low
@@ -133,8 +133,8 @@ def _excess(
     return np.maximum(*inner) + (s.rate * h) ** 4 / 384.0 * size
 
 
-def _peak(s: SearchStretches, one: ExtremePoint, other: ExtremePoint) -> Array:
-    """Time of the peak of the cubic; NaN or outside the stretch if the cubic has no
+def _peak(s: TimeSpans, one: ExtremePoint, other: ExtremePoint) -> Array:
+    """Time of the peak of the cubic; NaN or outside the span if the cubic has no
     peak in it.
     """
     h = s.high - s.low

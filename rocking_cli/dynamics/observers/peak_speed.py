@@ -11,7 +11,7 @@ import numpy as np
 from ...arrays import Array
 from ..batch import Batch
 from ..lanes import Lanes
-from .extremes import ExtremePoint, Extremes, SearchStretches, parts
+from .extremes import ExtremePoint, Extremes, TimeSpans, parts
 from .observer import Arcs, Observer
 
 
@@ -69,7 +69,7 @@ class PeakSpeed(Observer):
                 return rates(own, point.y, point.v, point.b)
 
             indices = np.arange(at.size)
-            whole = SearchStretches(indices, zero, reach[at], arc.fastest)
+            whole = TimeSpans(indices, zero, reach[at], arc.fastest)
             ends = (
                 rates(indices, arc.y, arc.v, arc.b),
                 rates(indices, end.y, end.v, end.b),

@@ -16,7 +16,7 @@ from ..contacts.lasting_bounces import too_many_impacts
 from ..contacts.sequences import BELOW_ROUNDING, STILL
 from ..drive import place
 from ..equations.recurrence import motion_terms
-from ..equations.taylor import LONGEST, MOST_TERMS
+from ..equations.taylor import LONGEST, MOST_TERMS, RECIPROCALS
 from ..outcome import Outcome
 from .lane import Lane, LaneEdge
 from .state import Ended, Listener, MarchState
@@ -41,8 +41,6 @@ _SLOWLY, _WAITS = 0.5, 0.25
 # part of the speed `visible` at which the rest of a bouncing is summed, and bounces
 # until then at most
 _SUMMED, _UNSEEN = 1e-3, 1000
-# 1/((n + 1)(n + 2)), by which term n + 2 of y follows from term n of y''
-_RECIPROCALS = [1.0 / ((n + 1) * (n + 2)) for n in range(MOST_TERMS)]
 
 
 def march(
@@ -158,7 +156,7 @@ class _March(MarchState):
             degree = min(degree, equation.composed)
         if self.factors_of != (unit, degree):  # most steps have those of the one before
             square = unit * unit
-            self.factors = [square * c for c in _RECIPROCALS[: degree - 1]]
+            self.factors = [square * c for c in RECIPROCALS[: degree - 1]]
             self.factors_of = unit, degree
         terms = motion_terms(
             equation, self.y, self.v, unit, self.factors, drive, weight, self.force

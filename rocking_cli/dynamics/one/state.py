@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..batch import FreeFall
-from ..condition import STEEP, Moments, along, at_free_peak, slope_between
+from ..condition import STEEP, ErrorMoments, along, at_free_peak, slope_between
 from ..equations.taylor import WITHIN
 from ..lanes import Lanes
 from ..outcome import FALLEN, Outcome
@@ -95,7 +95,7 @@ class MarchState:
         # y, y' in `carried`, with the time since [tau], and of |theta|/alpha at the
         # largest peak
         self.carries = peaks and listener is None
-        self.moments: Moments = (0.0, 0.0, 0.0)
+        self.moments: ErrorMoments = (0.0, 0.0, 0.0)
         self.carried = (0.0, 0.0, 0.0)
         self.peak_moment = 0.0
         self.impacts = self.steps = 0
@@ -228,7 +228,7 @@ class MarchState:
         lanes.moments = np.array([[*self.moments, self.peak_moment]]).T
         return lanes
 
-    def _moments_at(self, y: float, v: float, t: float) -> Moments:
+    def _moments_at(self, y: float, v: float, t: float) -> ErrorMoments:
         """The moments at a state (y, v) on this arc, t [tau] after the present one."""
         y0, v0, since = self.carried
         h, zeta = since + t, self.lane.zeta

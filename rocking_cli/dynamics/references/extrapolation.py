@@ -9,7 +9,7 @@ from contextlib import suppress
 from typing import NamedTuple
 
 # (theta', w') of (time, theta, w)
-Rate = Callable[[float, float, float], tuple[float, float]]
+Slopes = Callable[[float, float, float], tuple[float, float]]
 
 # numbers of parts of a step, in the successive midpoint rules
 _PARTS = (2, 4, 6, 8, 10, 12, 14, 16)
@@ -22,14 +22,14 @@ _LEAST = 1e-15
 # number of extrapolations that are compared at the least
 _ROWS = 3
 # a step with a dip of the velocity inside is halved down to this length, over the
-# stretch
+# span
 _DIP = 1.0 / 64.0
 # rotation over the critical angle below which a closed form is not used
 _TINY = 1e-3
 # first step from an impact over speed/force: four times as long as the bounce
 _BOUNCES = 8.0
-_SHORTEST = 1e-12  # least step, over the length of the stretch
-# a motion from rest back to the ground that is shorter, over the stretch, is ignored
+_SHORTEST = 1e-12  # least step, over the length of the span
+# a motion from rest back to the ground that is shorter, over the span, is ignored
 _HOP = 1e-6
 _NEAR = 1e-9  # error of the time to a root
 _GUESS = 20  # halvings of the interval of a first guess of a root
@@ -45,7 +45,7 @@ class StatePoint(NamedTuple):
 
 
 class Path(NamedTuple):
-    """The motion on a stretch of time."""
+    """The motion on a span of time."""
 
     peaks: list[StatePoint]  # peaks of the rotation
     end: StatePoint  # its last instant
@@ -56,7 +56,7 @@ class Path(NamedTuple):
 class EdgeMotion(NamedTuple):
     """An equation of motion on one edge, under one piece of a motion."""
 
-    rate: Rate  # its right side
+    rate: Slopes  # its right side
     unit: float = 1.0  # critical angle [rad]
     # function of a state and a length that returns the state so much later in closed
     # form; None without one
@@ -78,7 +78,7 @@ class EdgeMotion(NamedTuple):
 
 
 def _extrapolated(
-    rate: Rate,
+    rate: Slopes,
     start: StatePoint,
     length: float,
     unit: float,
@@ -114,7 +114,7 @@ def _extrapolated(
 
 
 def _midpoint_rule(
-    rate: Rate,
+    rate: Slopes,
     start: StatePoint,
     first: tuple[float, float],
     length: float,
@@ -140,29 +140,29 @@ def _midpoint_rule(
 def path(flow: EdgeMotion, start: StatePoint, stop: float, limit: float) -> Path:
     """The path from an instant on or above the ground until `stop`, an impact, or an
     angle beyond `limit`. It finds at most one peak in a step, or one dip, which may
-    reach the ground although both ends of the step lie above it. The stretch is one
+    reach the ground although both ends of the step lie above it. The span is one
     step where the extrapolations agree. Raises ArithmeticError when no step is short
     enough.
     """
     rate = flow.rate
     peaks: list[StatePoint] = []
-    stretch, passed = stop - start.time, 0.0
-    longest, here, steps = stretch, start, [start]
+    span, passed = stop - start.time, 0.0
+    longest, here, steps = span, start, [start]
     rates = rate(*start)
     force = rates[1]
     bounces = start.theta == 0.0 < start.w and force < 0.0
     # a bounce must not hide within a step
     length = min(longest, -_BOUNCES * start.w / force) if bounces else longest
-    while passed < stretch and here.theta <= limit:
-        if stretch - passed < 1.001 * length:
-            length = stretch - passed
+    while passed < span and here.theta <= limit:
+        if span - passed < 1.001 * length:
+            length = span - passed
         there = flow.step(here, length, rates)
         # A step from rest that ends without outward speed: the body may have gone up
         # and down again inside it.
         hop = (
             there is not None
             and here.theta == here.w == 0.0 >= there.w
-            and length > _HOP * stretch
+            and length > _HOP * span
         )
         # A velocity that first falls and then rises may be negative between the ends.
         after = None if there is None else rate(*there)
@@ -171,15 +171,15 @@ def path(flow: EdgeMotion, start: StatePoint, stop: float, limit: float) -> Path
             and after is not None
             and min(here.w, there.w) > 0.0
             and rates[1] < 0.0 < after[1]
-            and length > _DIP * stretch
+            and length > _DIP * span
         )
         if there is None or after is None or hop or dips:
             length = longest = 0.5 * length
-            if length < _SHORTEST * stretch:
+            if length < _SHORTEST * span:
                 raise ArithmeticError(f"no step from {here} is short enough")
             continue
         passed += length
-        there = there._replace(time=stop if passed >= stretch else start.time + passed)
+        there = there._replace(time=stop if passed >= span else start.time + passed)
         if here.w < 0.0 < there.w and there.theta > 0.0:
             bottom = passes(flow, here, there, 2, -1.0)
             there = bottom if bottom.theta <= 0.0 else there

@@ -4,7 +4,7 @@ method on the equation as the paper writes it.
 It shares no series, table, window, closed form or energy argument with the engine. A
 linear equation is solved in closed form where a body is well above the ground. The
 state is (theta, w), w = sqrt(M/M0) theta', which takes the velocity term out of Eq.
-3.4; M0 is M at rest, and w = theta' of a rigid body. A stretch is half a radian of the
+3.4; M0 is M at rest, and w = theta' of a rigid body. A span is half a radian of the
 fastest motion; impacts and peaks are found where signs change (`extrapolation`). A body
 loses contact where the ground falls away from it, and a rigid body that rocks where Fz
 <= 0 at instants along its steps.
@@ -19,14 +19,14 @@ from typing import NamedTuple
 
 from ...motions.motion import Motion, Piece, extremes, plus
 from ..outcome import FALLEN, Outcome
-from .extrapolation import EdgeMotion, Path, Rate, StatePoint, path
+from .extrapolation import EdgeMotion, Path, Slopes, StatePoint, path
 from .linear_form import LinearForm
 
-# limit of the number of stretches of a cell: a constant, and an addition for each
+# limit of the number of spans of a cell: a constant, and an addition for each
 # segment of the motion
 _MOST, _A_SEGMENT = (5_000, 50)
 # tau between two tests of overturning where the solver chooses its steps
-_SCRIPT_STRETCH = 10.0
+_SCRIPT_SPAN = 10.0
 _AT_REST = 1e-11
 # the least force of a step is searched for if it may be below the first plus the second
 # times its variation
@@ -268,15 +268,15 @@ class ReferenceBody:
         self.here, self.theta, self.w = self.edges[self.side or 1], 0.0, 0.0
 
     def move(self, piece: Piece, end: float) -> None:
-        """Move the body over one stretch, or to the impact in it."""
+        """Move the body over one span of time, or to the impact in it."""
         start = StatePoint(self.time, self.theta, self.w)
         flow = self._flow(piece)
         rate = flow.rate
         fastest = max((h.frequency for h in piece.harmonics), default=0.0)
-        stretch = 0.5 / (1.0 + self.omega * fastest)
+        span = 0.5 / (1.0 + self.omega * fastest)
         if self.solver is not path:
-            stretch = _SCRIPT_STRETCH
-        stop = min(end, self.time + stretch)
+            span = _SCRIPT_SPAN
+        stop = min(end, self.time + span)
         limit = self.here.limit * (1.0 + 1e-9)  # surely beyond it
         found = self.solver(flow, start, stop, limit)
         peaks, there, hits, steps = self.cut(flow, found)
@@ -306,7 +306,7 @@ class ReferenceBody:
         return EdgeMotion(rate, self.here.alpha, exact)
 
     def _land(
-        self, piece: Piece, there: StatePoint, rate: Rate, earliest: float
+        self, piece: Piece, there: StatePoint, rate: Slopes, earliest: float
     ) -> None:
         """Apply the impact next to the instant `there`, not before `earliest`; a body
         that is too slow to bounce rests.

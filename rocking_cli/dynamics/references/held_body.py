@@ -1,8 +1,8 @@
 """Ties and a tendon for the general solver.
 
 The force of a device depends on the rotation, its permanent elongation and the law that
-it follows now: slack, elastic, yielding or broken. A law holds for a whole stretch of
-the solver. A stretch ends where a law changes, which single steps find by bisection.
+it follows now: slack, elastic, yielding or broken. A law holds for a whole span of
+the solver. A span ends where a law changes, which single steps find by bisection.
 """
 
 from __future__ import annotations

@@ -13,7 +13,7 @@ from __future__ import annotations
 import numpy as np
 
 from ...arrays import Array
-from ..condition import Moments, in_tolerances, moved, rows, sheared, slope_between
+from ..condition import ErrorMoments, in_tolerances, moved, rows, sheared, slope_between
 from .devices import Branch, Devices
 from .series import HeldBody, Step
 from .tied_lanes import CutStep, TiedLanes
@@ -68,7 +68,7 @@ def carry_through_break(
     """
     y = lanes.y[at]
     jump = devices.pull_on(row, before).at(y) - devices.pull_on(row, now).at(y)
-    moments: Moments = rows(lanes.moments[:, at])
+    moments: ErrorMoments = rows(lanes.moments[:, at])
     lanes.moments[:3, at] = sheared(moments, jump, lanes.v[at])
 
 

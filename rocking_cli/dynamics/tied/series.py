@@ -21,7 +21,7 @@ from ...arrays import Array
 from ...motions.segments import Segments
 from ..drive import drive_change
 from ..equations import taylor
-from ..equations.equation import Equation, Point
+from ..equations.equation import Equation, Instant
 from ..equations.recurrence import Series, product_term, product_terms
 from ..equations.rigid_body import RigidBodyEquation
 from ..equations.taylor import TaylorSeries
@@ -40,7 +40,7 @@ class Step(NamedTuple):
 
     arc: TaylorSeries  # the motion from its start
     h: Array  # length of the step [tau]
-    end: Point  # the state at its end
+    end: Instant  # the state at its end
     # direction of the motion at its start: 1 outwards, -1 inwards, 0 for bodies that do
     # not move
     outward: Array

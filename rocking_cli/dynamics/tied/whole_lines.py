@@ -29,9 +29,10 @@ from ...arrays import Array
 from ...motions.segments import Segments
 from ..body import Body
 from ..equations.equation import Equation
-from ..equations.recurrence import Rows, motion_terms
+from ..equations.recurrence import TermRows, motion_terms
 from ..equations.taylor import (
     MOST_TERMS,
+    RECIPROCALS,
     WITHIN,
     TaylorSeries,
     changes,
@@ -62,8 +63,6 @@ _FACTORS = np.array(
     ]
 )
 _BY_TERM = [row.tolist() for row in _FACTORS]
-# 1/((n + 1)(n + 2)), by which term n + 2 of y follows from term n of y''
-_RECIPROCALS = [1.0 / ((n + 1) * (n + 2)) for n in range(MOST_TERMS)]
 
 
 class LineLimits(NamedTuple):
@@ -230,7 +229,9 @@ class WholeLines:
                 break
             h, *line = course.left_of(self.lines, k, u)
             h = np.minimum(h, _LONGEST)
-            terms = motion_terms(course.held, y, v, h, h * h * factors, Rows.of(*line))
+            terms = motion_terms(
+                course.held, y, v, h, h * h * factors, TermRows.of(*line)
+            )
             # Lanes on clear lines go to the next line.
             end = LineEnd.of(terms)
             go &= last_terms(terms, last, h) <= self.least * h
@@ -365,7 +366,7 @@ class _Factors:
             self.duration = h
             self.sizes = size_limits(h, self.tolerance, self.rate)
         square = h * h
-        return [square * c for c in _RECIPROCALS[: 2 + bisect_left(self.sizes, size)]]
+        return [square * c for c in RECIPROCALS[: 2 + bisect_left(self.sizes, size)]]
 
 
 def _arc(course: LineCourse, terms: list[float], h: float) -> TaylorSeries:

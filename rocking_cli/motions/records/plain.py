@@ -73,7 +73,7 @@ def read(text: RecordText) -> list[Series]:
     rows, remark = without_first_numbers(text, claims, rows, above)
     if rows.values.size == 0:
         raise text.fault("no numbers")
-    table = _Table(text, claims, rows, cells)
+    table = _NumberTable(text, claims, rows, cells)
     found = table.wrapped() if table.is_wrapped else table.columns()
     table.require_count(found[0].samples.size)
     return [
@@ -86,7 +86,7 @@ def agreeing(said: str, given: str | None) -> bool:
     return given is None or ACCELERATIONS[given] == ACCELERATIONS[said]
 
 
-class _Table:
+class _NumberTable:
     """The numbers of a file with what its headings and its user say of them."""
 
     def __init__(

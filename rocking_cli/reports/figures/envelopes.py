@@ -39,7 +39,7 @@ _WIDTHS = {
     "record": 6.0,
 }
 _MARGIN = 1.1  # of the axis of amplitudes over the largest one
-Interval = tuple[float, float, float]  # frequency, lower and upper amplitude
+Bar = tuple[float, float, float]  # frequency, lower and upper amplitude
 
 
 def bands(figure: Figure, rows: Rows, units: Units) -> list[Axes]:
@@ -186,7 +186,7 @@ def _draw(
 
 
 def _joined(
-    intervals: list[Interval], frequencies: list[float]
+    intervals: list[Bar], frequencies: list[float]
 ) -> Iterator[list[tuple[float, float]]]:
     """Yield the quadrilaterals between overlapping intervals at neighbouring
     frequencies.

@@ -30,7 +30,7 @@ _EXPECTED = (
 )
 
 
-class _Cells:
+class _InMemory:
     """A spectrum in memory with the attributes of `SpectraFile` that figures read."""
 
     path = "the spectrum"
@@ -77,7 +77,9 @@ def memory_file(source: Any) -> SpectraFile | None:
     """
     if isinstance(source, SpectraFile):
         return source
-    return cast(SpectraFile, _Cells(source)) if isinstance(source, Spectrum) else None
+    return (
+        cast(SpectraFile, _InMemory(source)) if isinstance(source, Spectrum) else None
+    )
 
 
 def memory_records(source: Any) -> list[Record]:

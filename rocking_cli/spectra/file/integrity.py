@@ -62,8 +62,8 @@ def _digest_of(file: BinaryIO, size: int, ranges: Sequence[tuple[int, int]]) -> 
         for at in range(begin, begin + length, _BLOCK)
     )
     stated = json.dumps([size, ranges]).encode()
-    stretches = (read(file, *place) for place in places)
-    return f"blake2b:{digest(chain([stated], stretches))}"
+    parts = (read(file, *place) for place in places)
+    return f"blake2b:{digest(chain([stated], parts))}"
 
 
 def digest_line(file: BinaryIO, places: Sequence[tuple[int, int]]) -> bytes:

@@ -13,7 +13,7 @@ from typing import Any
 
 from ...errors import OutputError, UsageError
 from ...plugins import require
-from ...processes import Run, in_order
+from ...processes import Runner, in_order
 from ..scene import Unit
 from .jobs import Item, Job
 
@@ -28,7 +28,7 @@ _PATIENCE = 4.0  # s between messages about a missing worker
 @contextmanager
 def cluster(
     job: Job, address: str, tell: Callable[[str], None] | None = None
-) -> Iterator[tuple[Run, int]]:
+) -> Iterator[tuple[Runner, int]]:
     """Context of (a function from items to job.answer(item) of each, in their order,
     the number of threads of the cluster at `address`). Items of a lost worker run
     again. Without a worker the function reports this and waits. Raises as

@@ -18,8 +18,8 @@ from ...dynamics.method import LINEAR
 from ...dynamics.outcome import Difference, Outcome, Work, difference
 from ...dynamics.response import (
     Response,
+    can_share_records,
     cells_that_lose_contact,
-    chains,
     few,
     response,
     response_under_records,
@@ -27,16 +27,16 @@ from ...dynamics.response import (
 )
 from ...dynamics.system import System
 from ...motions import Motion
-from ...processes import Run, processes
+from ...processes import Runner, processes
 from ...structures.friction import friction_that_slides
 from ...structures.parameters import RockingParameters
 from ..error_bound import Conditions
 from ..scene import CellBand, Scene, Unit
-from ..verification import Answer, Place, Verification, reference
+from ..verification import Answer, CellPlace, Verification, reference
 
 TOGETHER = 1 << 19  # cells that a worker computes in one batch
 
-Item = list[Unit] | Place
+Item = list[Unit] | CellPlace
 """A batch of units, or a cell for the reference."""
 
 
@@ -52,10 +52,10 @@ class Report:
     differences: np.ndarray  # number of cells of each `Difference`, over all places
     conditions: Conditions  # of the cells that stand, over all places
     # (outcome, theta/alpha, condition) of its cells that the verification needs
-    seen: Mapping[Place, tuple[int, float, float]]
+    seen: Mapping[CellPlace, tuple[int, float, float]]
 
 
-Block = dict[str, np.ndarray]
+CellValues = dict[str, np.ndarray]
 """The variables of cells by name."""
 
 
@@ -68,9 +68,9 @@ class Job:
     scene: Scene  # the whole sweep
     chunk: tuple[int, int]  # (rows, columns) of a unit
     # places whose results the verification needs, by the first cell of their unit
-    wanted: Mapping[Place, Sequence[Place]]
+    wanted: Mapping[CellPlace, Sequence[CellPlace]]
     # turns a block into the data of a report; None: the block itself
-    convert: Callable[[Block], Any] | None = None
+    convert: Callable[[CellValues], Any] | None = None
     quantities: tuple[str, ...] = ()  # names of the requested variables of `QUANTITIES`
 
     @cached_property
@@ -100,12 +100,12 @@ class Job:
         """The number of units in one batch, which fills the pool of the engine; all
         units of a batch have one system.
         """
-        if len(self.runs) > 1 or (self.scene.of_records and not self.pooled):
+        if len(self.runs) > 1 or (self.scene.of_records and not self.shares_records):
             return 1
         return max(1, TOGETHER // (self.chunk[0] * self.chunk[1]))
 
     @property
-    def pooled(self) -> bool:
+    def shares_records(self) -> bool:
         """True if cells under several records may share a run."""
         return self.scene.of_records and self.quantities == ("velocity_ratio",)
 
@@ -120,7 +120,7 @@ class Job:
         bands = [self._bands(unit) for unit in units]
         # Bands that one run can compute together, by motion and system.
         batches: dict[Any, list[CellBand]] = {}
-        found: dict[int, list[Block]] = {}
+        found: dict[int, list[CellValues]] = {}
         for band in chain.from_iterable(bands):
             if friction_that_slides(band.structure) is not None:
                 from .sliding_cells import sliding_block
@@ -155,14 +155,14 @@ class Job:
         """Return a key of the batch of a band: (its motion, None if cells under other
         records share the run; what its structure runs with).
         """
-        shared = self.pooled and chains(
+        shared = self.shares_records and can_share_records(
             self.scene.system_of(band.structure), band.motion
         )
         return None if shared else id(band.motion), self._key(band.structure)
 
     def _batch_blocks(
         self, batch: Sequence[CellBand], shared: bool
-    ) -> tuple[dict[int, list[Block]], Work]:
+    ) -> tuple[dict[int, list[CellValues]], Work]:
         """Return (the blocks of the structures of each band, by the id of the band; the
         work) of a batch; shared: True if it is under several records.
         """
@@ -187,7 +187,7 @@ class Job:
 
     def under_records(
         self, batch: Sequence[CellBand], cells: np.ndarray
-    ) -> tuple[Block, Work]:
+    ) -> tuple[CellValues, Work]:
         """Return (the variables of all cells (A, Omega), the work) for bands of
         one system under several records.
         """
@@ -213,7 +213,7 @@ class Job:
 
     def together_of(
         self, batch: Sequence[CellBand], cells: np.ndarray
-    ) -> tuple[Block, Work]:
+    ) -> tuple[CellValues, Work]:
         """Return (the variables of all cells (A, Omega), the work) for bands under
         one motion.
         """
@@ -221,7 +221,7 @@ class Job:
         counts, structures = [b.size for b in batch], [b.structure for b in batch]
         systems = [self.scene.system_of(s) for s in structures]
         system = System.of_each_cell(systems, counts)
-        extra: Block = {}
+        extra: CellValues = {}
         if "velocity_ratio" in self.quantities:
             got, rate = response_with_speed(system, motion, *cells)
             extra["velocity_ratio"] = rate * np.repeat(
@@ -258,8 +258,8 @@ class Job:
         structure: RockingParameters,
         motion: Motion,
         cells: np.ndarray,
-        block: Block,
-    ) -> Block:
+        block: CellValues,
+    ) -> CellValues:
         """Return the block of one structure among those that share rotations, with the
         lost contact of this structure.
         """
@@ -285,7 +285,7 @@ class Job:
         return block
 
     def report(
-        self, unit: Unit, bands: Sequence[Sequence[Block]], work: Work
+        self, unit: Unit, bands: Sequence[Sequence[CellValues]], work: Work
     ) -> Report:
         """Return the report of a unit, from the block of each of its bands at all
         places of the unit.
@@ -318,7 +318,9 @@ class Job:
             self.seen(unit, places[0]),
         )
 
-    def seen(self, unit: Unit, block: Block) -> dict[Place, tuple[int, float, float]]:
+    def seen(
+        self, unit: Unit, block: CellValues
+    ) -> dict[CellPlace, tuple[int, float, float]]:
         """Return outcome, theta/alpha and condition of the cells of this unit that the
         verification needs.
         """
@@ -333,7 +335,7 @@ class Job:
         return found
 
 
-def _joined(blocks: Sequence[Block]) -> Block:
+def _joined(blocks: Sequence[CellValues]) -> CellValues:
     """Join the rows of several blocks to one block; a single block is returned itself,
     since several places often share it.
     """
@@ -347,14 +349,14 @@ def _joined(blocks: Sequence[Block]) -> Block:
     )
 
 
-Crew = AbstractContextManager[tuple[Run, int]]
+Crew = AbstractContextManager[tuple[Runner, int]]
 """A context with (function from items to their answers in order, number of items
 computed at a time).
 """
 
 
 @contextmanager
-def local_crew(job: Job, workers: int) -> Iterator[tuple[Run, int]]:
+def local_crew(job: Job, workers: int) -> Iterator[tuple[Runner, int]]:
     """Context of a crew: this process alone, or `workers` other processes. Raises
     OutputError when a worker dies.
     """
