@@ -19,6 +19,8 @@ class RecordLines(NamedTuple):
     s: Array  # s at the start of each line [-], (lines,)
     rise: Array  # increase of s over the line [-], (lines,)
     length: Array  # length of the line [rad], (lines,)
+    up: Array  # the vertical s_v at the start of each line [-], (lines,); 0 without one
+    up_rise: Array  # increase of s_v over the line [-], (lines,)
     # the difference r of record and line, for each sample of a line: W and W' at its
     # start, r there, and the rise of r, (4, lines, samples); without samples if the
     # lines are the record itself
@@ -27,11 +29,12 @@ class RecordLines(NamedTuple):
 
 def record_lines(segments: Segments, step: float) -> RecordLines:
     """The lines of a record. Each line covers whole segments, up to `step` [rad] in
-    all, or a part of a segment.
+    all, or a part of a segment. Under a vertical motion each covers one at most.
     """
     length = segments.length[:]
     count = max(1, int(step / length.max() * (1.0 + 1e-9)))
-    if count == 1 or np.ptp(length) > 1e-9 * length.max():
+    uneven = np.ptp(length) > 1e-9 * length.max()
+    if count == 1 or uneven or segments.weighed is not None:
         return _parts(segments, step)
     return _joined(segments, count)
 
@@ -41,16 +44,20 @@ def _parts(segments: Segments, step: float) -> RecordLines:
     it.
     """
     start, length = segments.s_start[:], segments.length[:]
-    change = segments.s_end[:] - start
+    up = np.zeros((2, length.size))
+    if (weighed := segments.weighed) is not None:
+        up = np.array([weighed.vertical.s_start[:], weighed.vertical.s_end[:]])
+    ends = np.array([[start, segments.s_end[:]], up])
     cuts = np.maximum(1, np.ceil(length / step * (1.0 - 1e-9))).astype(np.intp)
     part = np.arange(cuts.sum()) - np.repeat(np.cumsum(cuts) - cuts, cuts)
-    start, change, length, cuts = (
-        np.repeat(x, cuts) for x in (start, change, length, cuts)
-    )
+    (start, up), (end, up_end) = np.repeat(ends, cuts, axis=2).swapaxes(0, 1)
+    length, cuts = np.repeat(length, cuts), np.repeat(cuts, cuts)
     return RecordLines(
-        start + change * part / cuts,
-        change / cuts,
+        start + (end - start) * part / cuts,
+        (end - start) / cuts,
         length / cuts,
+        up + (up_end - up) * part / cuts,
+        (up_end - up) / cuts,
         np.zeros((4, length.size, 0)),
     )
 
@@ -79,4 +86,5 @@ def _joined(segments: Segments, count: int) -> RecordLines:
     gains = size * dw + size * size * (0.5 * r + r_rise / 6.0)
     w = np.cumsum(gains, axis=1) - gains
     length = np.full(begin.size, whole)
-    return RecordLines(begin, gain, length, np.array([w, dw, r, r_rise]))
+    still, residual = np.zeros(begin.size), np.array([w, dw, r, r_rise])
+    return RecordLines(begin, gain, length, still, still, residual)

@@ -82,6 +82,7 @@ class Scan(Followed):
             lane.zeta,
             len(self.edges),
             self.lines.residual.size > 0,
+            motion.vertical is not None,
             self.accuracy,
         )
         self.known = Scanned(
@@ -94,7 +95,7 @@ class Scan(Followed):
         if system.devices is not None:
             return False
         straight = system.segments(motion.coarsest).straight
-        return straight and motion.vertical is None and system.equation.composed is None
+        return straight and system.equation.composed is None
 
     def outcomes(self, amplitude: Array) -> Array:
         """The approximate outcome at each amplitude A, codes of `Outcome`, with ROCKED

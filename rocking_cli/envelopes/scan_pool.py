@@ -68,6 +68,7 @@ class ScanPool:
         "y",  # displacement, in the unit of the side
         "v",  # velocity y', by tau
         "drive",  # outward drive of s = 1 times A [-]
+        "sway",  # zg''/g of s_v = 1 times A [-]
         "pace",  # tau over the phase [1/rad]
         "rested",  # line after the one in which the lane came to rest, -1 for others
         "peak",  # largest y at the ends of lines, in the unit of the first side
@@ -79,29 +80,42 @@ class ScanPool:
         self.scans, self.sides, row = scans, len(scans[0].edges), np.arange(len(edges))
         # The row of a body and side; `others`: the row of the other side of the body.
         self.others = row + self.sides - 1 - 2 * (row % self.sides)
-        self.drives, self.speed_ratio, self.limit, self.units, omega = (
+        self.drives, self.sways, self.speed_ratio, self.limit, self.units, omega = (
             np.array([getattr(f, n) for f in edges])
-            for n in ("drive", "speed_ratio", "limit", "unit", "omega")
+            for n in ("drive", "sway", "speed_ratio", "limit", "unit", "omega")
         )
+        self.weighed = bool(self.sways.any())  # True if the weight varies
         self.alike = bool((self.units == 1.0).all())  # one unit of y for every side
         self.paces, self.lowest_limit = 1.0 / omega, float(self.limit.min())
         self.equations = joined([edge.equation for edge in edges])
         self.accuracy = scans[0].accuracy
-        self._store_lines([scan.lines for scan in scans])
+        self._store_lines(
+            [scan.lines for scan in scans], [scan.edges for scan in scans]
+        )
 
         body = np.repeat(np.arange(len(scans)), [a.size for a in amplitudes])
         self.number = np.arange(body.size)
         self.amplitude, self.row = np.concatenate(amplitudes), body * self.sides
         self.k, self.rested = self.end[body], self.begin[body]
-        self.x, self.y, self.v, self.drive, self.pace = np.zeros((5, body.size))
+        self.x, self.y, self.v, self.drive, self.sway, self.pace = np.zeros(
+            (6, body.size)
+        )
         self.peak, self.speed = np.zeros((2, body.size))
         # of every lane, as far as they are known: the outcome, True after an impact,
         # and the largest y and |y'|, as those of lanes that still move
         self.outcome = np.full(body.size, Outcome.ROCKED, dtype=np.uint8)
         self.bounced = np.zeros(body.size, dtype=bool)
         self.peaks, self.speeds = np.zeros((2, body.size))
+        # the least s_v of each body, of which the ground falls away where w <= 0
+        least = np.minimum.reduceat(
+            np.minimum(self.up, self.up + self.up_rise), self.begin
+        )
+        sway = self.sways[self.row] * self.amplitude
+        self.falls_freely = 1.0 + sway * least[body] <= 0.0
 
-    def _store_lines(self, lines_of: list[RecordLines]) -> None:
+    def _store_lines(
+        self, lines_of: list[RecordLines], edges_of: list[list[LaneEdge]]
+    ) -> None:
         """Store the lines of the bodies one after the other; after those of each body
         follow lines of length 0, in which lanes wait.
         """
@@ -110,15 +124,25 @@ class ScanPool:
         still = np.zeros(_UPLIFT_ROUNDS + 1)
         begins = np.cumsum([0] + [lines.s.size + still.size for lines in lines_of])
         self.begin, self.end = begins[:-1], begins[1:] - still.size
-        self.s, self.rise, self.length = (
+        self.s, self.rise, self.length, self.up, self.up_rise = (
             np.concatenate([x for lines in lines_of for x in (lines[i], still)])
-            for i in range(3)
+            for i in range(5)
         )
 
-        # The largest and the least s of each line, and of all lines from it on.
+        # The largest and the least s of each line, and of all lines from it on: of the
+        # effective motions of the edges, c over the drive of s = 1.
         padding = np.zeros(_SEARCH_LINES)
-        high = np.maximum(self.s, self.s + self.rise)
-        low = np.maximum(-self.s, -self.s - self.rise)
+        high, low = np.zeros((2, self.s.size))
+        for edges, begin, end in zip(edges_of, begins, begins[1:], strict=False):
+            own = slice(begin, end)
+            for edge in edges:
+                share = edge.sway / edge.drive
+                s = self.s[own] - share * self.up[own]
+                s_end = s + self.rise[own] - share * self.up_rise[own]
+                if edge.drive > 0.0:
+                    high[own] = np.maximum(s, s_end)
+                else:
+                    low[own] = np.maximum(-s, -s_end)
         self.later = np.empty((2, self.s.size))
         for begin, end in pairwise(begins.tolist()):
             for later, x in zip(self.later, (high, low), strict=True):
@@ -152,6 +176,8 @@ class ScanPool:
             self._round()
             rounds += 1
         self.outcome[self.number] = Outcome.FAILED
+        lost = self.falls_freely & (self.outcome == Outcome.ROCKED)
+        self.outcome[lost] = Outcome.LOST_CONTACT
         return self.outcome, self.peaks, self.speeds
 
     def _done(self) -> float:
@@ -188,21 +214,19 @@ class ScanPool:
         self._end(np.flatnonzero(over))
         at = np.flatnonzero(waiting & ~over)
         first = self.row[at] // self.sides * self.sides
-        drives = [
-            self.drives[first + side] * self.amplitude[at] for side in range(self.sides)
-        ]
-        self.k[at] = self._lifting_lines(at, drives)
+        self.k[at] = self._lifting_lines(at, first)
         self.y[at], self.v[at], self.rested[at] = 0.0, 0.0, -1
-        self._lift(at, first, drives)
+        self._lift(at, first)
         over[at] = self.k[at] == self.end[first // self.sides]
         self._keep(~over)
 
-    def _lifting_lines(self, at: Array, drives: list[Array]) -> Array:
+    def _lifting_lines(self, at: Array, first: Array) -> Array:
         """The line in which the drive next lifts each of the lanes `at`, or the end of
-        its record; drives: the drive of s = 1 on each side.
+        its record; first: the row of their first side.
         """
         above, below = np.full((2, at.size), np.inf)  # s that lifts, and -s
-        for drive in drives:
+        for side in range(self.sides):
+            drive = self.drives[first + side] * self.amplitude[at]
             above = np.where(drive > 0.0, 1.0 / drive, above)
             below = np.where(drive < 0.0, -1.0 / drive, below)
         k = self.rested[at]
@@ -220,19 +244,39 @@ class ScanPool:
             searching = searching[none]
         return k
 
-    def _lift(self, at: Array, first: Array, drives: list[Array]) -> None:
+    def _lift(self, at: Array, first: Array) -> None:
         """Put the lanes `at` on the side to which the drive lifts them in their line,
         at the time of the uplift; first: the row of their first side.
         """
-        s, rise = self.s[self.k[at]], self.rise[self.k[at]]
-        open_ = np.ones(at.size, dtype=bool)
-        for side, drive in enumerate(drives):
-            begin, gain = drive * s, drive * rise
-            up = open_ & (np.maximum(begin, begin + gain) > 1.0)
+        k, open_ = self.k[at], np.ones(at.size, dtype=bool)
+        for side in range(self.sides):
+            drive, sway = self._drive_and_sway(at, first + side)
+            begin, end = (self._net(k, x, drive, sway) for x in (0.0, 1.0))
+            up = open_ & (np.maximum(begin, end) > 1.0)
             i, open_ = at[up], open_ & ~up
-            self.row[i], self.drive[i] = first[up] + side, drive[up]
+            self.row[i], self.drive[i], self.sway[i] = (
+                first[up] + side,
+                drive[up],
+                sway[up],
+            )
             self.pace[i] = self.paces[first[up] + side]
-            self.x[i] = np.where(begin[up] < 1.0, (1.0 - begin[up]) / gain[up], 0.0)
+            begin, end = begin[up], end[up]
+            self.x[i] = np.where(begin < 1.0, (1.0 - begin) / (end - begin), 0.0)
+
+    def _drive_and_sway(self, at: Array, row: Array) -> tuple[Array, Array]:
+        """(outward drive of s = 1, zg''/g of s_v = 1) of the lanes `at` on these
+        rows.
+        """
+        return self.drives[row] * self.amplitude[at], self.sways[row] * self.amplitude[
+            at
+        ]
+
+    def _net(self, k: Array, x: Array | float, drive: Array, sway: Array) -> Array:
+        """The net drive c at x of lines k."""
+        net: Array = drive * (self.s[k] + self.rise[k] * x)
+        if self.weighed:
+            net -= sway * (self.up[k] + self.up_rise[k] * x)
+        return net
 
     def _round(self) -> None:
         """Move each lane to the end of its line, or to an impact."""
@@ -246,6 +290,10 @@ class ScanPool:
             square * (1.0 / ((n + 1) * (n + 2)))
             for n in range(self.accuracy.degree - 1)
         ]
+        weight = None
+        if self.weighed:
+            gain = self.sway * self.up_rise[k]
+            weight = [1.0 + self.sway * self.up[k] + gain * x, gain * left]
         terms = motion_terms(
             self.equation,
             self.y,
@@ -253,6 +301,7 @@ class ScanPool:
             h,
             factors,
             [drive * (s + rise * x), drive * (rise * left)],
+            weight,
         )
         # The state at the end of the line: y and y' are the sums of the terms.
         self.y = sum(terms[1:], terms[0])
@@ -282,9 +331,10 @@ class ScanPool:
 
         # On to the other side.
         row, unit = self.others[row], 1.0 / self.pace[at]
-        pace, drive = self.paces[row], self.drives[row] * self.amplitude[at]
+        pace, (drive, sway) = self.paces[row], self._drive_and_sway(at, row)
         unit *= pace
-        self.row[at], self.drive[at], self.pace[at], self.y[at] = row, drive, pace, 0.0
+        self.row[at], self.drive[at], self.sway[at] = row, drive, sway
+        self.pace[at], self.y[at] = pace, 0.0
         self.equation = self.equations.on(self.row, self.row)
         slow, averaged = self._averaged_bounces(struck._replace(x=x), v)
         self.v[at] = np.where(averaged, np.fmax(slow, 0.0), v)
@@ -309,18 +359,16 @@ class ScanPool:
         drive is that halfway to the end of the line.
         """
         at, k, x = struck.at, struck.k, struck.x
-        row, drive = self.row[at], self.drive[at]
+        row, middle = self.row[at], 0.5 + 0.5 * x
         # A bounce under the force f lasts 2 v/f; only short ones are averaged.
-        push = self.s[k] + self.rise[k] * (0.5 + 0.5 * x)
-        here = 1.0 - drive * push
+        here = 1.0 - self._net(k, middle, self.drive[at], self.sway[at])
         averaged = (here > 0.0) & (2.0 * v < _BRIEF * here)
         bounce, cycle_ratio = 2.0 * v / here, self.speed_ratio[row]
         if self.sides == 2:
             # A cycle has a bounce on each side, as in Lemma 7.
             other = self.others[row]
-            bounce = bounce + 2.0 * cycle_ratio * v / np.maximum(
-                1.0 - self.drives[other] * self.amplitude[at] * push, 1e-3
-            )
+            there = 1.0 - self._net(k, middle, *self._drive_and_sway(at, other))
+            bounce = bounce + 2.0 * cycle_ratio * v / np.maximum(there, 1e-3)
             cycle_ratio = cycle_ratio * self.speed_ratio[other]
         # A cycle takes the time `bounce` and 1 - q of the speed: under a constant force
         # the speed falls linearly with the time.

@@ -5,7 +5,8 @@ and which capacities differ, and in which digit.
 package in DIR. The bodies are blocks, rigid bodies with unequal sides, frames,
 one-sided walls, damped walls, spires, arches, tied walls and blocks that slide; the
 motions are two records, the record of `configs/motions` and pulses, some of several
-cycles, with a vertical component, in both directions, or over a range of frequencies.
+cycles, with a vertical component, in both directions, or over a range of frequencies;
+under records some of the bodies are damped.
 `--cases` is their number, `--seed` the first of them, `--only` a pattern that the call
 must contain, such as `f-g [0-9.]+:` or `--motion`; `--kept FILE` is a file for the
 answers of the base, which a second comparison then reads.
@@ -137,9 +138,24 @@ def pulse_of(
     return tuple(words)
 
 
+def record_of(
+    document: str, a_g: str, draw: np.random.Generator
+) -> tuple[str, tuple[str, ...]]:
+    """Return (the document, damped by chance, the words of a random record)."""
+    records = ("near.at2", "far.at2", "synthetic.at2")
+    record, up = (records[i] for i in draw.integers(len(records), size=2))
+    words: tuple[str, ...] = ("--motion", record, "--scale-to", f"PGA={a_g}")
+    kind = document.split()[1]
+    if draw.uniform() < 0.4 and not re.search("arch|friction|ties", document):
+        factor = f"{draw.uniform(-0.7, 0.7):.3f}"
+        words += ("--vertical", up, f"--vertical-scale={factor}")
+    if draw.uniform() < 0.4 and kind in ("block", "rigid", "frame"):
+        document += f"damping: {draw.uniform(0.005, 0.1):.4f}\n"
+    return document, words
+
+
 def cases(count: int, seed: int) -> list[Case]:
     """Return so many random cases, each from a seed of its own."""
-    records = ("near.at2", "far.at2", "synthetic.at2")
     found = []
     for number in range(seed, seed + count):
         draw = np.random.default_rng(number)
@@ -149,8 +165,7 @@ def cases(count: int, seed: int) -> list[Case]:
         frequency = draw.uniform(0.5, 2.0)
         shaking: tuple[str, ...]
         if draw.uniform() < 0.3:
-            record = records[draw.integers(len(records))]
-            shaking = ("--motion", record, "--scale-to", f"PGA={a_g}")
+            document, shaking = record_of(document, a_g, draw)
         else:
             shaking = pulse_of(kind, a_g, frequency, draw)
         found.append(Case(document, shaking))

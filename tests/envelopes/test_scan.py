@@ -13,11 +13,17 @@ from rocking_cli import Outcome, RigidBodyEquation, System, response
 from rocking_cli.dynamics.contacts.contact import Symmetric
 from rocking_cli.dynamics.outcome import safe
 from rocking_cli.envelopes.scan import Scan, follow
+from rocking_cli.motions.biaxial import with_vertical
 
 NAMES = [name for name in SYSTEMS if name != "an arch"]
 SCANNED = {
     "a step a sample": motion_of_samples(noise(100, 0.06, 4), 0.06),
     "five samples a step": motion_of_samples(noise(600, 0.01, 9), 0.01),
+    "a vertical one": with_vertical(
+        motion_of_samples(noise(120, 0.05, 4), 0.05),
+        motion_of_samples(noise(150, 0.04, 5), 0.04),
+        -0.7,
+    ),
 }
 
 
