@@ -64,7 +64,8 @@ def through_impact(
     pace: duration of a unit of tau before it, in units after it.
     """
     (v, b), (v_after, b_after) = before, after
-    delay = 1.0 / np.maximum(np.abs(v), _SLOWEST)
+    one = isinstance(v, float)
+    delay = 1.0 / (max(abs(v), _SLOWEST) if one else np.maximum(np.abs(v), _SLOWEST))
     turn = v_after * delay
     p, q = turn * pace, (turn * b + b_after * pace) * delay
     yy, yv, vv = m
@@ -73,7 +74,10 @@ def through_impact(
         p * (q * yy + turn * yv),
         q * q * yy + 2.0 * q * turn * yv + turn * turn * vv,
     )
-    yy, yv, vv = (np.clip(x, -_LARGEST, _LARGEST) for x in found)
+    if one:
+        yy, yv, vv = (min(max(x, -_LARGEST), _LARGEST) for x in found)
+    else:
+        yy, yv, vv = (np.clip(x, -_LARGEST, _LARGEST) for x in found)
     return yy, yv, vv
 
 

@@ -104,7 +104,12 @@ def product_terms(a: Series, b: Series, c: Series) -> tuple[Any, Any]:
     """
     if type(b) is not list:
         return product_term(a, b), product_term(a, c)
-    return sum(map(mul, a, reversed(b))), sum(map(mul, a, reversed(c)))
+    by_b, by_c, n = 0.0, 0.0, len(b) - 1
+    for x in a:
+        by_b += x * b[n]
+        by_c += x * c[n]
+        n -= 1
+    return by_b, by_c
 
 
 def known(force: Any, own: Any) -> Any:
@@ -151,12 +156,17 @@ def motion_terms(
     motion.append(v * unit)
     lift, push, extend = equation.along(motion, new)
     drag = 2.0 * equation.damping / unit if equation.damping else None
+    line = type(motion) is list and len(drive) == 2
     for n, factor in enumerate(factors):
         if n:
             extend(n)
         weighed = lift[n] if weight is None else product_term(weight, lift)
         if push is None:  # G = 1
             own = drive[n] - weighed if n < len(drive) else -weighed
+        elif line:
+            own = drive[0] * push[n] - weighed
+            if n:
+                own = own + drive[1] * push[n - 1]
         else:
             own = product_term(drive, push)
             own -= weighed

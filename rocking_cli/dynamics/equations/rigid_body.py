@@ -225,9 +225,11 @@ class RigidBodyEquation(Equation):
         z = self.alpha - self.sin * y
         return a * np.cos(z) / self.cos - weight * (np.sin(z) / self.sin)
 
-    def slope(self, y: Array | float, force: Array | float) -> Array:
+    def slope(self, y: Array | float, force: Array | float) -> Array | float:
         """df/dy, with the drive by the force: (1 + f sin(alpha) sin z)/cos z."""
         z = self.alpha - self.sin * y
+        if isinstance(z, float):
+            return (1.0 + force * self.sin * math.sin(z)) / math.cos(z)
         return np.asarray((1.0 + force * self.sin * np.sin(z)) / np.cos(z))
 
     def fall(self, y: Array, v: Array) -> tuple[Array, Array]:

@@ -21,6 +21,7 @@ from ..outcome import Outcome
 from .lane import Lane, LaneEdge
 from .state import Ended, Listener, MarchState
 from .step import (
+    after_turn,
     bulge,
     end_of,
     keeps_its_sign,
@@ -127,10 +128,10 @@ class _March(MarchState):
             self._go(reach * edge.omega)
         v = speed / h if hit is None else min(value(terms, hit, h)[1], 0.0)
         if self.carries:
-            end = y if hit is None else 0.0
             if reach > _SLOWLY:
                 self._carry_along(terms, h, reach)
-            self._carry_on(end, v, math.fmod(reach, _SLOWLY), _WAITS)
+                reach = math.fmod(reach, _SLOWLY)
+            self._carry_on(y if hit is None else 0.0, v, reach, _WAITS)
         if hit is None:
             self.y, self.v, self.force = y, v, None
             if self.end is None:
@@ -221,9 +222,8 @@ class _March(MarchState):
         if not turns:
             return only_fall(terms, 1.0) if y <= 0.0 and not outward else None
         if outward:
-            highest = max(terms[0], y) + bulge(terms)
-            if y > 0.0 and not self._matters(highest):
-                return None
+            if not self._matters(max(terms[0], y) + bulge(terms)):
+                return after_turn(terms) if y <= 0.0 else None
             turn = turn_of(terms)
             self._pass_peak(turn * h, value(terms, turn)[0])
             return root(terms, turn, 1.0, 2.0 * turn) if y <= 0.0 else None
@@ -330,11 +330,17 @@ class _March(MarchState):
             return False
         if v < BELOW_ROUNDING or edge.cycle_ratio >= 1.0:
             return v < BELOW_ROUNDING
-        # 3 v/(1 - q)/f must fit into the rest of the segment: the lemma tries no
-        # shorter duration.
+        # 3 v/(1 - q) [1/f + eta r/f_other] must fit into the rest of the segment: the
+        # lemma tries no shorter duration.
+        lasts, there = 1.0 / fall, self.edges.get(-edge.side)
+        if there is not None:
+            beyond = 1.0 - self._net(there, self.segment, self.phase)
+            if beyond <= 0.0:
+                return False
+            lasts += edge.speed_ratio * there.omega / (edge.omega * beyond)
         block = self.motion.at(self.segment)
         left = block.length[self.segment - block.first] - self.phase
-        return 3.0 * v * edge.omega <= (1.0 - edge.cycle_ratio) * fall * left
+        return 3.0 * v * lasts * edge.omega <= (1.0 - edge.cycle_ratio) * left
 
     def _rest(self) -> None:
         """Let the body rest, and go to the next uplift."""

@@ -233,7 +233,9 @@ class MarchState:
         y0, v0, since = self.carried
         h, zeta = since + t, self.lane.zeta
         slope = slope_between(self.edge.equation, (y0, v0), (y, v), h)
-        rate = math.sqrt(max(float(np.ravel(slope)[0]), STEEP) + zeta * zeta)
+        if not isinstance(slope, float):
+            slope = float(np.ravel(slope)[0])
+        rate = math.sqrt(max(slope, STEEP) + zeta * zeta)
         return along(self.moments, math.exp(rate * h), h, rate, math.exp(-zeta * h))
 
     def _carry_on(self, y: float, v: float, t: float, least: float = 0.0) -> None:

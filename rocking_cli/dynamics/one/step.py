@@ -15,10 +15,14 @@ from ..march.roots import from_powers
 
 _HALVINGS = 40  # two turns closer than 1e-12 of a step count as none
 _NUMBERS = [float(n) for n in range(MOST_TERMS + 1)]
-# n (n - 1)/8 and n (n - 1)(n - 2)/8: by so much of term n at most do y and h y' leave
-# their chords
+# n (n - 1), of the terms of h^2 y''; an eighth of it, and so on: by so much of term n
+# at most do y, h y' and h^2 y'' leave their chords
+_BENDS = [float(n * (n - 1)) for n in range(MOST_TERMS + 1)]
 _CHORD_OF_Y = [0.125 * n * (n - 1) for n in range(MOST_TERMS + 1)]
 _CHORD_OF_V = [0.125 * n * (n - 1) * (n - 2) for n in range(MOST_TERMS + 1)]
+_CHORD_OF_BEND = [
+    0.125 * n * (n - 1) * (n - 2) * (n - 3) for n in range(MOST_TERMS + 1)
+]
 
 
 def value(terms: Sequence[Any], x: Any, h: float = 1.0) -> tuple[Any, Any]:
@@ -62,9 +66,17 @@ def shorter(terms: list[float], share: float) -> list[float]:
 
 def one_turn(terms: list[float]) -> tuple[float, bool, bool]:
     """(share of the step on which y' changes its sign at most once, True if the body
-    then moves outwards first, True if it turns): the Bernstein coefficients of y' on
-    the share change their sign at least as often.
+    then moves outwards first, True if it turns).
     """
+    # The chord of h^2 y'' proves that y' only rises, or only falls.
+    start, first, bend = terms[1], 2.0 * terms[2], sum(map(mul, _BENDS, terms))
+    error = sum(map(mul, _CHORD_OF_BEND, map(abs, terms)))
+    if (first > error and bend > error) or (first < -error and bend < -error):
+        outward = start > 0.0 or (start == 0.0 and first > 0.0)
+        speed = end_of(terms)[1]
+        return 1.0, outward, outward != (speed > 0.0) and speed != 0.0
+
+    # The Bernstein coefficients of y' on the share change their sign at least as often.
     rate, share = list(map(mul, _NUMBERS[1:], terms[1:])), 1.0
     for _ in range(_HALVINGS):
         signs = [b > 0.0 for b in (from_powers(len(rate)) @ rate).tolist() if b]
@@ -80,6 +92,17 @@ def turn_of(terms: list[float]) -> float:
     """The only x from 0 to 1 at which y' changes its sign."""
     rate = list(map(mul, _NUMBERS[1:], terms[1:]))
     return root(rate, 0.0, 1.0, -rate[0] / rate[1] if rate[1] else 0.5)
+
+
+def after_turn(terms: list[float]) -> float:
+    """The only x at which a body that first moves outwards and then inwards comes to y
+    = 0, in a step at whose end y <= 0.
+    """
+    # Any point with y > 0 lies before it, such as one close to the peak.
+    high = -0.5 * terms[1] / terms[2] if terms[2] < 0.0 else 1.0
+    if not (0.0 < high < 1.0 and value(terms, high)[0] > 0.0):
+        high = turn_of(terms)
+    return root(terms, high, 1.0, 2.0 * high)
 
 
 def only_fall(terms: list[float], stop: float) -> float:
