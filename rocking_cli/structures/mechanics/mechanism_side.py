@@ -207,10 +207,13 @@ def _linearised(linkage: Linkage) -> Linearised:
 
 def _check_equilibrium(linkage: Linkage) -> None:
     """Raise MechanismFault if the weight resists the mechanism to the end."""
-    phi = np.linspace(0.0, linkage.reach, 513)
-    if np.any(linkage.coefficients(phi).lift <= 0.0):
+    hangs = linkage.reach >= 0.5 * math.pi
+    # next to the lock the position found may be that of the branch behind it, on
+    # which the weight drives the mechanism: the sign there is that of a rounding
+    end = linkage.reach if hangs else (1.0 - 1e-3) * linkage.reach
+    if np.any(linkage.coefficients(np.linspace(0.0, end, 513)).lift <= 0.0):
         return
-    if linkage.reach >= 0.5 * math.pi:
+    if hangs:
         raise MechanismFault(
             linkage.path,
             "no unstable equilibrium: the weight brings it back at every rotation up to"

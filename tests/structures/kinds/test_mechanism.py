@@ -362,18 +362,20 @@ test_what_is_refused = refuses(
             "no unstable equilibrium: the weight brings it back at every rotation up to"
             " 90 deg (it hangs).",
         ),
-        (
-            one(
-                "  ",
-                BLOCK
-                + "\n  one: {mass: 1, centre: [-0.5, 1.6], gyration: 0.3}"
-                + "\n  two: {mass: 1, centre: [-1.5, 0.6], gyration: 0.3}",
-                EDGE[:-1]
-                + ", {hinge: [block, one], at: [0, 2]}, {hinge: [one, two], at: [-0.8,"
-                " 1]}, {hinge: [two, ground], at: [-2, 0]}]\none_sided: true\n"
-                "restitution: -0.3",
-            ),
-            "deg, before its weight stops bringing it back.",
+        *(
+            (
+                one(
+                    "  ",
+                    BLOCK
+                    + "\n  one: {mass: 1, centre: [-0.5, 1.6], gyration: 0.3}"
+                    + "\n  two: {mass: 1, centre: [-1.5, 0.6], gyration: 0.3}",
+                    f"{EDGE[:-1]}, {{hinge: [block, one], at: [0, 2]}}, {{hinge: [one,"
+                    f" two], at: [{x}, 1]}}, {{hinge: [two, ground], at: [-2, 0]}}]\n"
+                    "one_sided: true\nrestitution: -0.3",
+                ),
+                f"it locks at {angle} deg, before its weight stops bringing it back.",
+            )
+            for x, angle in ((-0.7, 1.05), (-0.8, 0.462), (-0.9, 0.115))
         ),
         (
             one(
