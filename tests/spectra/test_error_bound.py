@@ -6,8 +6,6 @@ of 1e-13, which `test_conformance.py` compares with that integration. Two faults
 what a sweep tells of itself: one of the march, and one of the bound.
 """
 
-import math
-
 import numpy as np
 import pytest
 from support.conformance import SYSTEMS, answer, short_record, structure_of, sweep
@@ -44,65 +42,70 @@ ROUNDING = 1e-13  # of theta/alpha: that of the march at 1e-13 itself
 LOOSE = ("yielding tie", "tied, one-sided")
 
 
-def errors(structure, motion, tolerance, count, how="arrays"):
-    """(errors against a tolerance of 1e-13, bounds) of random cells that stand."""
+def errors(structure, motion, tolerances, count, how="arrays"):
+    """(errors against a tolerance of 1e-13, bounds) of random cells that stand, for
+    each tolerance.
+    """
     random = np.random.default_rng(20)
     amplitude = random.uniform(1.05, 5.0, count)
     omega = np.exp(random.uniform(np.log(0.6), np.log(10.0), count))
     if "record" in motion:
         omega = 1.0 / random.uniform(0.7, 6.0, count)
-    found, exactly = (
-        response(
-            Method("nonlinear", t).system_of(structure),
-            MOTIONS[motion],
-            amplitude,
-            omega,
-            structure.eta,
-            how=how,
-        )
-        for t in (tolerance, 1e-13)
-    )
-    known = (found.outcome == exactly.outcome) & np.isfinite(found.condition)
-    bound = np.minimum(1.0, tolerance * found.condition[known])
-    return np.abs(found.theta_ratio - exactly.theta_ratio)[known], bound
+
+    def at(tolerance):
+        system = Method("nonlinear", tolerance).system_of(structure)
+        cells = amplitude, omega, structure.eta
+        return response(system, MOTIONS[motion], *cells, how=how)
+
+    exactly = at(1e-13)
+    for tolerance in tolerances:
+        found = at(tolerance)
+        known = (found.outcome == exactly.outcome) & np.isfinite(found.condition)
+        bound = np.minimum(1.0, tolerance * found.condition[known])
+        yield np.abs(found.theta_ratio - exactly.theta_ratio)[known], bound
 
 
-@pytest.mark.parametrize("tolerance", [1e-4, 1e-6])
 @pytest.mark.parametrize("motion", ["one sine", "short record"])
 @pytest.mark.parametrize("system", [x for x in SYSTEMS if x != "arch"])
 def test_the_error_against_an_independent_integration_is_below_the_bound(
-    system, motion, tolerance
+    system, motion
 ):
     """The integration is exact to 1e-9."""
     along = sweep(system, motion)
+    stands = [i for i in along.picked(False) if along.outcome[i] == Outcome.ROCKED]
     amplitude, omega, eta = along.cells()
     model = governing_method(along.structure).model
-    law = Method(model, tolerance).system_of(along.structure)
-    found = response(law, along.motion, amplitude, omega, eta)
-    for i in along.picked(False):
-        flag, ratio = answer(system, motion, i)
-        stands = found.outcome[i] == Outcome.ROCKED and flag == "rocked"
-        if stands and math.isfinite(ratio):
-            bound = tolerance * float(found.condition[i])
-            assert abs(float(found.theta_ratio[i]) - ratio) <= bound + 1e-9
+    for tolerance in (1e-4, 1e-6):
+        law = Method(model, tolerance).system_of(along.structure)
+        found = response(law, along.motion, amplitude[stands], omega, eta)
+        for i, ratio, condition in zip(
+            stands, found.theta_ratio, found.condition, strict=True
+        ):
+            flag, exactly = answer(system, motion, i)
+            if flag == "rocked" and np.isfinite([exactly, ratio]).all():
+                assert abs(ratio - exactly) <= tolerance * condition + 1e-9
 
 
-@pytest.mark.parametrize("tolerance", TOLERANCES)
+@pytest.mark.parametrize(
+    "tolerances", [(1e-6, 1e-9), pytest.param(TOLERANCES, marks=pytest.mark.soak)]
+)
 @pytest.mark.parametrize("motion", MOTIONS)
 @pytest.mark.parametrize("body", BODIES)
-def test_the_error_is_below_its_bound_and_not_far_below(body, motion, tolerance):
+def test_the_error_is_below_its_bound_and_not_far_below(body, motion, tolerances):
     structure = built(BODIES[body])
-    error, bound = errors(structure, motion, tolerance, 100)
-    assert error.size >= 3
-    assert (error <= bound + ROUNDING).all()
-    if structure.eta <= 0.95 and tolerance > 1e-12:  # there rounding is the error
-        assert bound.max() <= 1e5 * error.max()
+    found = errors(structure, motion, tolerances, 100)
+    for tolerance, (error, bound) in zip(tolerances, found, strict=True):
+        assert error.size >= 3
+        assert (error <= bound + ROUNDING).all()
+        if structure.eta <= 0.95 and tolerance > 1e-12:  # there rounding is the error
+            assert bound.max() <= 1e5 * error.max()
 
 
-@pytest.mark.parametrize("motion", ["sine", "short record"])
+# of all motions here this one finds too low a bound of the most systems
 @pytest.mark.parametrize("system", NONLINEAR)
-def test_the_error_of_every_system_is_below_its_bound(system, motion):
-    error, bound = errors(structure_of(SYSTEMS[system]), motion, 1e-5, 20)
+def test_the_error_of_every_system_is_below_its_bound(system):
+    structure = structure_of(SYSTEMS[system])
+    ((error, bound),) = errors(structure, "short record", [1e-5], 20)
     assert (error <= bound + ROUNDING).all()
 
 
@@ -111,7 +114,8 @@ def test_the_error_of_every_system_is_below_its_bound(system, motion):
 @pytest.mark.parametrize("motion", MOTIONS)
 @pytest.mark.parametrize("system", NONLINEAR)
 def test_the_error_of_thousands_of_cells_is_below_its_bound(system, motion, tolerance):
-    error, bound = errors(structure_of(SYSTEMS[system]), motion, tolerance, 2_000)
+    structure = structure_of(SYSTEMS[system])
+    ((error, bound),) = errors(structure, motion, [tolerance], 2_000)
     assert (error <= bound + ROUNDING).all()
     if error.size >= 100 and tolerance > 1e-12 and system not in LOOSE:
         assert bound.max() <= 1e5 * error.max()
@@ -119,7 +123,7 @@ def test_the_error_of_thousands_of_cells_is_below_its_bound(system, motion, tole
 
 @pytest.mark.parametrize("body", BODIES)
 def test_the_error_of_one_cell_after_the_other_is_below_its_bound(body):
-    error, bound = errors(built(BODIES[body]), "cycles", 1e-9, 40, "floats")
+    ((error, bound),) = errors(built(BODIES[body]), "cycles", [1e-9], 40, "floats")
     assert (error <= bound + ROUNDING).all()
 
 
@@ -141,15 +145,15 @@ def test_a_sweep_states_a_bound_above_its_largest_error():
 
 
 def a_sweep():
-    """100 linear cells under a record, of which 12 are computed again."""
+    """25 linear cells under a record, of which 6 are computed again."""
     scene = scene_of_words(
         [],
         load_records(["configs/motions/synthetic.at2"]),
-        axes="T=1:6:10",
-        alphas="0.05:0.35:10",
+        axes="T=1:6:5",
+        alphas="0.05:0.35:5",
         model="linear",
     )
-    return spectrum_of(scene, SweepOptions(workers=1, check=12))
+    return spectrum_of(scene, SweepOptions(workers=1, check=6))
 
 
 def test_a_sweep_tells_a_fault_of_its_march(monkeypatch):
