@@ -196,8 +196,16 @@ def test_the_search_goes_on_to_the_first_value_that_has_a_verdict(rocking, judge
     )
 
 
-@pytest.mark.slow
-def test_an_arch_too_thin_for_its_weight_never_counts_as_standing(rocking):
+def test_an_arch_too_thin_for_its_weight_never_counts_as_standing(rocking, judged):
+    """0.55 m carries no weight, whatever the capacity of what carries it."""
+    judged(lambda thickness: thickness / 0.7)
+    call = ("solve", "arch:10x1.5x157.5deg,voussoirs=4", "--a-g", "0.3g", "--f-g", "2")
+    row = rocking(*call, "--json", "--vary", "thickness=0.55:0.8:2").record
+    assert (row["side"], row["value"]) == ("stands above", 0.7)
+
+
+@pytest.mark.soak
+def test_a_continuous_arch_too_thin_for_its_weight_never_counts_as_standing(rocking):
     """0.6375 m carries no weight, 0.70 m overturns, 0.80625 m stands; the value is that
     of thickness=0.65:0.9:2, whose ends both exist.
     """

@@ -191,6 +191,7 @@ def test_where_changes_have_no_end_only_those_that_the_scan_sees_are_traced(
         ]
 
 
+@pytest.mark.slow
 def test_a_narrow_interval_under_several_cycles_is_found():
     """Overturning from 3.029878 to 3.030776 lies between two amplitudes of the scan,
     with equal outcomes.

@@ -184,14 +184,16 @@ def test_a_row_alone_has_the_digits_of_rows_in_any_order(body, motion, rows):
     whole = response(system, motion, amplitude, omega, eta)
     order = random.permutation(rows)
     other = response(system, motion, amplitude[order], omega[order], eta, pool=5)
+    picked = slice(None, None, 5)
     alone = [
         response(system, motion, a, w, eta)
-        for a, w in zip(amplitude, omega, strict=True)
+        for a, w in zip(amplitude[picked], omega[picked], strict=True)
     ]
     for name in ("theta_ratio", "outcome", "impacts_at_least"):
         found = getattr(whole, name)
         np.testing.assert_array_equal(getattr(other, name), found[order])
-        np.testing.assert_array_equal([getattr(one, name) for one in alone], found)
+        each = [getattr(one, name) for one in alone]
+        np.testing.assert_array_equal(each, found[picked])
     assert {Outcome.ROCKED} < set(whole.outcome.tolist())
 
 
