@@ -12,7 +12,8 @@ same sign for long. On floats every unit of tau adds independent errors of one u
   df/dy is negative, as under stiff restraints
 - through an impact, which an error dy delays by D = dy/|v|: with b before it, b+ after
   it and the ratio e of the speeds, dy+ = -e dy and dv+ = -e dv - (e b + b+) D
-- at rest nothing is left of them, since the next uplift depends on the drive alone
+- at rest nothing is left of them, since the next uplift depends on the drive alone;
+  but a drive that lifts the body again at once does so with that delay
 
 The condition is sqrt(yy) at the largest peak, in theta/alpha. Where two impacts follow
 each other at once M stays finite: no speed below `_SLOWEST` counts.
@@ -79,6 +80,16 @@ def through_impact(
     else:
         yy, yv, vv = (np.clip(x, -_LARGEST, _LARGEST) for x in found)
     return yy, yv, vv
+
+
+def lifted_at_once(vv: Any, before: tuple[Any, Any], after: tuple[Any, Any]) -> Any:
+    """Return the moment vv of bodies that come to rest at an impact and are lifted at
+    once; vv: after the impact; before, after: (force, Omega) on the edge that the
+    impact leads to and on that of the uplift, arrays or floats.
+    """
+    (force, omega), (lift, lift_omega) = before, after
+    turn = lift * omega / (np.where(force == 0.0, np.inf, force) * lift_omega)
+    return np.minimum(vv * turn * turn, _LARGEST)
 
 
 def moved(

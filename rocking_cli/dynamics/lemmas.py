@@ -18,7 +18,8 @@ side (or back on the same one) with the speed eta |y'|. A body at rest lifts off
 piece       a part of the motion with one closed form
 segment     a part of a piece on which the motion s is monotone
 drive       subcritical where a < 1
-arc         the Taylor series of y from the present state of a lane, within one piece
+arc         the Taylor series of y from the present state of a lane, within one piece;
+            or the exact flow of the undamped linear oscillator under one sinusoid
 step        the part of an arc that one round of the march covers: it turns once at most
 turn        an instant at which y' changes its sign
 peak        a turning point at which y' changes from positive to negative
@@ -64,6 +65,20 @@ Test
 `march/test_advance.py::test_grazing_is_decided_on_either_side`,
 `one/test_march.py::test_lemma_1_a_step_is_cut_where_it_may_turn_twice`,
 `one/test_march.py::test_lemma_1_holds_for_random_polynomials`.
+
+# Lemma 2 (one turn of an exact flow)
+
+Undamped linear oscillator. Let z be y' where the drive falls, and -y' where it rises.
+While the drive is monotone z is negative, positive and negative again at the most: the
+signs of z at both ends tell its turns, unless both are negative. Then there is none if
+z does not rise at first, or if the tangents at its ends are negative together; other
+steps are halved. A body with y' >= 0 and y'' >= 0 under a rising drive moves outwards
+until the drive has fallen, and turns once at most on the way.
+Proof. z'' = z - |a'| <= z: where z is negative it is concave, so it is below its
+tangents and is not negative between two instants at which it is zero. Where the drive
+rises, y'' grows by y' + a' and y' by y'': both stay positive.
+Test
+`march/test_exact.py::test_lemma_2_a_step_turns_once_at_most_and_every_turn_is_found`.
 
 # Lemma 6 (certain overturning)
 

@@ -203,3 +203,10 @@ def random_shaking(
         random.uniform(*amplitudes),
         omega,
     )
+
+
+class OnSeries(LinearEquation):
+    """The linear oscillator, followed by its Taylor series under every motion."""
+
+    def has_exact_flow(self, segments):
+        return False

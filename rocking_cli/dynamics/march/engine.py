@@ -18,6 +18,7 @@ from ..batch import Batch
 from ..condition import (
     at_free_peak,
     in_tolerances,
+    lifted_at_once,
     moved,
     rows,
     slope_between,
@@ -26,6 +27,7 @@ from ..condition import (
 from ..contacts.sequences import STILL
 from ..drive import place
 from ..equations.equation import Equation
+from ..equations.linear_flow import LinearFlow
 from ..lanes import Lanes
 from ..observers.observer import Arcs, Observer
 from ..outcome import FALLEN, Outcome, Work
@@ -33,8 +35,8 @@ from .advance import StepResult, advance
 from .proofs import FREE_MOTION, LaneProof, Proved, free_motion, proofs_of
 
 # lanes that are advanced together: fewer rounds against arrays that no longer fit the
-# caches
-_POOL, _POOL_OF_LINES = 4096, 16384
+# caches; more lanes where an arc has few numbers
+_POOL, _LARGE_POOL = 4096, 16384
 
 _TRIM_THRESHOLD, _MMAP_THRESHOLD = -1, -3  # parameters of mallopt(3)
 _BLOCK = 32 << 20  # bytes, the largest that it takes
@@ -70,8 +72,8 @@ class Run:
     ) -> None:
         keep_freed_memory()
         self.batch = batch
-        lines = batch.segments.straight
-        self.pool = pool or (_POOL_OF_LINES if lines else _POOL)
+        few = batch.segments.straight or batch.equation.has_exact_flow(batch.segments)
+        self.pool = pool or (_LARGE_POOL if few else _POOL)
         self.observers = list(observers)  # objects that see the motion of the lanes
         self.proofs, self.after_rest = proofs_of(batch, bool(observers))
         # results so far, as in `Response`, (cells,)
@@ -269,7 +271,10 @@ class Run:
         end, hit, arc = step.end, step.hit, step.arc
         y, v = np.where(hit, 0.0, end.y), np.where(hit, step.impact_v, end.v)
         force = np.where(hit, step.impact_force, end.b + 2.0 * arc.damping * end.v)
-        arcs = Arcs(lanes, arc, step.reach, y, v, force, wanted, step.fastest)
+        fastest = step.fastest
+        if isinstance(arc, LinearFlow):
+            fastest = arc.speed_bound(step.reach)
+        arcs = Arcs(lanes, arc, step.reach, y, v, force, wanted, fastest)
         for observer in self.observers:
             observer.arcs(arcs)
 
@@ -280,7 +285,7 @@ class Run:
         seg, k, u = self.batch.segments, lanes.segment, lanes.phase
         u += lanes.omega * step.reach
         over = np.flatnonzero(step.whole)
-        k[over], u[over] = seg.after_piece(k[over]), 0.0
+        k[over], u[over] = step.segment[over], 0.0
         lanes.segment, lanes.phase = place(seg, k, u)
         lanes.y, lanes.v = step.end.y, step.end.v
         lanes.force[:] = np.nan
@@ -363,10 +368,14 @@ class Run:
         """
         batch = self.batch
         again = batch.contact.uplift(batch.cells, batch.segments, lanes.cell[at], k, u)
+        left, vv = (lanes.force[at], lanes.omega[at]), lanes.moments[2, at]
+        at_once = (again.segment == lanes.segment[at]) & (again.force > 0.0)
+        at_once &= again.phase == lanes.phase[at]
         lanes.segment[at], lanes.phase[at] = again.segment, again.phase
         lanes.y[at], lanes.v[at], lanes.force[at] = 0.0, 0.0, again.force
-        lanes.moments[:3, at] = 0.0
         batch.contact.turn(batch.cells, lanes, at, again.side)
+        vv = lifted_at_once(vv, left, (again.force, lanes.omega[at]))
+        lanes.moments[:2, at], lanes.moments[2, at] = 0.0, np.where(at_once, vv, 0.0)
         return self._at_uplift(lanes, at)
 
     def end_free_fall(self, lanes: AnyLanes) -> AnyLanes:

@@ -99,13 +99,13 @@ def only_root(
 ) -> Array:
     """(s, y, dy/ds, d2y/ds2), (4, lanes), at the one root s of y on (low, high] that
     falls through zero, or with `speed` of y'; NaN where it does not converge. s is in
-    units of the step, terms are those of y in powers of it. The third derivative is
+    units of the step, terms are those of y in powers of it. The second derivative is
     given for impacts only.
 
     The series about the guess, of degree 6, gives a Householder step of fourth order
     and a step of Newton. A root that is too far away for that series is bracketed.
     """
-    found = np.full((4, guess.size), np.nan)
+    every, found = terms, np.full((4, guess.size), np.nan)
     lanes, s = np.arange(guess.size), guess
     low, high = np.broadcast_to(low, s.shape), np.broadcast_to(high, s.shape)
     table = _shift(len(terms))
@@ -121,6 +121,8 @@ def only_root(
         left_out += np.abs(q[_NEAR - 1])
         left_out *= size ** (_NEAR - 1 - speed)
         good = (size < most) & (left_out <= close * np.abs(slope)) & (slope < 0.0)
+        if speed:  # y is stationary, but what is left out of its own series counts
+            good &= left_out * size * size <= _CLOSE * np.abs(slope)
         # next to a turn Newton's step has not settled: there the error after it must be
         # small too, or below the rounding of the terms
         rounding = np.abs(near[0]) + np.abs(near[1]) + np.abs(near[2])
@@ -136,8 +138,6 @@ def only_root(
             q, r = q.take(done, axis=1), np.where(size[done] < most, r[done], 0.0)
             y, rate = _horner(q, r, 0)
             found[0, at], found[1, at], found[2, at] = here * (1.0 + r), y, rate / here
-            if not speed:
-                found[3, at] = _horner(q, r, 1)[1] / (here * here)
             if done.size == good.size:
                 break
             keep = np.flatnonzero(~good)
@@ -149,7 +149,20 @@ def only_root(
         inside = (slope < 0.0) & (step > low) & (step < high)
         step = np.where(inside, step, 0.5 * (low + high))
         s = np.where((target > low) & (target < high) & (slope < 0.0), target, step)
+    if not speed:
+        # A body leaves an impact with its force: the local series is too short for it.
+        near = powers(found[0], len(every))
+        near *= every
+        found[3] = product(_second_derivative(len(every)), near)[0]
+        found[3] /= found[0] * found[0]
     return found
+
+
+@lru_cache(maxsize=64)
+def _second_derivative(count: int) -> Array:
+    """Row: the second derivative of a polynomial at 1, from its terms."""
+    n = np.arange(float(count))
+    return (n * (n - 1.0))[None]
 
 
 def _step(q: Array, speed: bool) -> tuple[Array, Array, Array, Array]:

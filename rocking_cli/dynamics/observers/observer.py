@@ -7,15 +7,16 @@ from typing import NamedTuple
 import numpy as np
 
 from ...arrays import Array
+from ..equations.linear_flow import LinearFlow
 from ..equations.taylor import TaylorSeries
 from ..lanes import Lanes
 
 
 class Arcs(NamedTuple):
-    """Motion of lanes from their present state until `stop`, each along its series."""
+    """Motion of lanes from their present state until `stop`, each along its flow."""
 
     lanes: Lanes  # the present state
-    flow: TaylorSeries  # series of these lanes
+    flow: TaylorSeries | LinearFlow  # series or exact flow of these lanes
     stop: Array  # end of the motion after the present state [tau], (lanes,)
     y: Array  # displacement at `stop`, in the unit of the side, (lanes,)
     v: Array  # velocity y' at `stop`, by tau, (lanes,)

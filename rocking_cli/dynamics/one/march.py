@@ -11,7 +11,7 @@ from bisect import bisect_left
 
 import numpy as np
 
-from ..condition import through_impact
+from ..condition import lifted_at_once, through_impact
 from ..contacts.lasting_bounces import too_many_impacts
 from ..contacts.sequences import BELOW_ROUNDING, STILL
 from ..drive import place
@@ -367,15 +367,21 @@ class _March(MarchState):
             self.cells, self.segments, np.zeros(1, dtype=np.int64), *at
         )
         k, u = place(self.segments, lift.segment, lift.phase)
+        left, force = (self.force, self.edge.omega), float(lift.force[0])
+        now = lift.segment[0] == self.segment and lift.phase[0] == self.phase
+        at_once = now and force > 0.0 and not first
         self.segment, self.phase, self.y, self.v = int(k[0]), float(u[0]), 0.0, 0.0
-        self.force = float(lift.force[0])
-        self.moments, self.carried = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+        self.force, self.carried = force, (0.0, 0.0, 0.0)
         lifts = self.segment < self.motion.count
         if self.listener is not None:
             tau = self.lane.tau(self.segment, self.phase)
             if rest < math.inf and (not lifts or tau > rest):
                 self.listener.note(rest, "rest", 1.0, 0.0, 0.0)
         self.edge = self.edges.get(float(lift.side[0]), self.edge)
+        vv = self.moments[2]
+        if at_once:
+            vv = float(lifted_at_once(vv, left, (force, self.edge.omega)))
+        self.moments = 0.0, 0.0, at_once * vv
         if lifts:
             self._note("uplift", 0.0, 0.0)
             return

@@ -5,9 +5,10 @@ import math
 import mpmath
 import numpy as np
 import pytest
+from support.bodies import OnSeries
 from support.references import lanes
 
-from rocking_cli import LinearEquation, Motion
+from rocking_cli import Motion
 from rocking_cli.dynamics.drive import drive_change
 from rocking_cli.motions import Harmonic, Piece
 
@@ -66,7 +67,7 @@ def test_the_series_is_the_closed_form_up_to_its_longest_step(
     harmonics, slope, damping
 ):
     motion = Motion("m", (Piece(0.0, 12.0, harmonics, 0.1, slope),))
-    segments, equation = motion.segments, LinearEquation(damping)
+    segments, equation = motion.segments, OnSeries(damping)
     random, count = np.random.default_rng(3), 30
     k = random.integers(0, len(segments), count)
     u = random.uniform(0.0, 0.9, count) * segments.length[k]

@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 import pytest
+from support.bodies import OnSeries
 from support.references import MIXED, lanes
 from support.synthetic_records import RECORDS, motion_of_samples, weighed
 
@@ -15,7 +16,7 @@ from rocking_cli.dynamics.march.advance import advance, one_turn_step
 from rocking_cli.motions import Motion, Piece
 
 EQUATIONS = [
-    LinearEquation(),
+    OnSeries(),
     LinearEquation(0.1),
     RigidBodyEquation(0.3),
     RigidBodyEquation(0.3, damping=0.1),

@@ -1,0 +1,164 @@
+"""One step of every lane along an exact flow: to the end of the monotone segment of the
+drive, or less. In it the body turns once at most, which the velocities at both ends
+decide (Lemma 2).
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ...arrays import Array
+from ...motions.segments import Segments
+from ..equations.equation import Instant
+from ..equations.linear_flow import LONGEST, LinearFlow
+from ..lanes import Lanes
+
+# a step of Halley's method this short, over every scale of the arc, leaves an error
+# below rounding after the last one: of a turn, where y is stationary, and of an impact
+_CLOSE_TURN, _CLOSE = 1e-3, 3e-6
+_ROUNDS = 200  # more than bisection needs for any bracket
+_HALVINGS = 60
+
+
+class ExactStep(NamedTuple):
+    """A step with one turn at most. Every array is (lanes,)."""
+
+    h: Array  # its length [tau]
+    end: Instant  # the state at its end
+    segment: Array  # the segment that begins where the step ends with a segment
+    whole: Array  # True where it does
+    outward: Array  # True where y' >= 0 at the start
+    turns: Array  # True where y' changes its sign
+
+
+def exact_step(
+    arc: LinearFlow, segments: Segments, lanes: Lanes, until: Array | float
+) -> ExactStep:
+    """Return the step of each lane, at most `until` [tau] long."""
+    k = lanes.segment
+    left = segments.length[k] - lanes.phase
+    falls = lanes.side * (segments.s_end[k] - segments.s_start[k]) > 0.0
+    # While the drive rises a body that speeds up outwards goes on to do so: then the
+    # step covers the fall of the drive too.
+    on = segments.joins[k] & ~falls & (lanes.v >= 0.0) & (arc.b >= 0.0)
+    on &= lanes.side * (segments.s_end[k] - segments.s_start[k]) < 0.0
+    following = np.where(on, k + 1, k)
+    left = np.where(on, left + segments.length[following], left) / lanes.omega
+    falls |= on
+    h = np.minimum(np.minimum(left, until), LONGEST)
+    end = arc.at(h)
+
+    # With z = y' where the drive falls, and z = -y' where it rises, z'' <= z: z has the
+    # signs - + - at most (Lemma 2).
+    sense = np.where(falls, 1.0, -1.0)
+    z, rate = sense * arc.v, sense * arc.b
+    starts = on | (z > 0.0) | ((z == 0.0) & (rate > 0.0))
+    ends = sense * end.v > 0.0
+    open_ = np.flatnonzero(~(starts | ends) & (rate > 0.0))
+    for _ in range(_HALVINGS if open_.size else 0):
+        # z < 0 at both ends: below its tangents, unless it is positive in between.
+        own = sense[open_]
+        first, slope = -z[open_] / rate[open_], own * end.b[open_]
+        with np.errstate(all="ignore"):
+            last = np.where(slope < 0.0, h[open_] - own * end.v[open_] / slope, -np.inf)
+        open_ = open_[last >= first]
+        if not open_.size:
+            break
+        h[open_] *= 0.5
+        part = arc.take(open_).at(h[open_])
+        for whole, some in zip(end, part, strict=True):
+            whole[open_] = some
+        ends[open_] = up = sense[open_] * part.v > 0.0
+        open_ = open_[~up]
+    outward = np.where(falls, starts, ~starts)
+    return ExactStep(h, end, following + 1, h == left, outward, starts != ends)
+
+
+def root(
+    arc: LinearFlow, bracket: tuple[Array, Array], guess: Array, turning: Array | None
+) -> tuple[Array, Instant]:
+    """Return (h, state after h) at the one root of y in a bracket (low, high] that
+    falls through zero there, or of y' with `turning`, the sign of y' before it; NaN
+    where it does not converge. Householder's steps, a bisection where one leaves the
+    bracket.
+    """
+    when, found = np.full(guess.size, np.nan), np.full((4, guess.size), np.nan)
+    lanes, h = np.arange(guess.size), guess
+    low, high = bracket
+    close = _CLOSE if turning is None else _CLOSE_TURN
+    for _ in range(_ROUNDS):
+        f = arc.at(h)
+        step, after, falling = _householder(f, turning)
+        low, high = np.where(after, low, h), np.where(after, h, high)
+        target, size = h + step, np.abs(step)
+        inside = falling & (target >= low) & (target <= high)
+        settled = inside & (size <= close * h) & (size * arc.fastest <= close)
+        scale = f.v if turning is None else f.b
+        change = f.b if turning is None else f.j
+        settled &= size * np.abs(change) <= close * np.abs(scale)
+        settled |= falling & (size <= 4e-16 * h) | (high - low <= 4e-16 * high)
+        done = np.flatnonzero(settled)
+        if done.size:
+            d = np.where(inside[done], step[done], 0.0)
+            at, (y, v, b, j) = lanes[done], (x[done] for x in f)
+            when[at] = h[done] + d
+            # The series about h takes the state over the last step.
+            found[0, at] = y + d * (v + d * (0.5 * b + d * j / 6.0))
+            found[1, at], found[2, at] = v + d * (b + 0.5 * d * j), b + d * j
+            found[3, at] = j
+            keep = np.flatnonzero(~settled)
+            if not keep.size:
+                break
+            arc, lanes, h, target = arc.take(keep), lanes[keep], h[keep], target[keep]
+            low, high, inside = low[keep], high[keep], inside[keep]
+            turning = None if turning is None else turning[keep]
+        h = np.where(inside, target, 0.5 * (low + high))
+    return when, Instant(*found)
+
+
+def _householder(f: Instant, turning: Array | None) -> tuple[Array, Array, Array]:
+    """(the step to the root, True where it is passed, True where the value falls)."""
+    with np.errstate(all="ignore"):
+        if turning is not None:
+            step = -f.v / (f.b - 0.5 * f.v * f.j / f.b)
+            return step, turning * f.v <= 0.0, turning * f.b < 0.0
+        r, e = f.y / f.v, f.b / f.v
+        step = -r * (1.0 - 0.5 * r * e) / (1.0 - r * e + r * r * f.j / (6.0 * f.v))
+        return step, f.y <= 0.0, f.v < 0.0
+
+
+def peak_guess(arc: LinearFlow, end: Instant, h: Array) -> Array:
+    """Return a guess of the turn of arcs between their start and h: where the cubic of
+    y' and y'' at both ends is 0.
+    """
+    a, b, c, d = arc.v, h * arc.b, end.v, h * end.b
+    with np.errstate(all="ignore"):
+        s = np.nan_to_num(a / (a - c), nan=1.0)  # no speed at either end
+    low, high = np.zeros(h.size), np.ones(h.size)
+    for _ in range(3):
+        t = 1.0 - s
+        value = (a * (1.0 + 2.0 * s) + b * s) * t * t
+        value += (c * (1.0 + 2.0 * t) - d * t) * s * s
+        slope = (
+            6.0 * (c - a) * s * t + b * t * (1.0 - 3.0 * s) + d * s * (3.0 * s - 2.0)
+        )
+        same = value * a > 0.0
+        low, high = np.where(same, s, low), np.where(same, high, s)
+        with np.errstate(all="ignore"):
+            s = s - value / slope
+        s = np.where((s > low) & (s < high), s, 0.5 * (low + high))
+    return np.clip(s, 1e-3, 1.0) * h
+
+
+def impact_guess(
+    arc: LinearFlow, end: Instant, h: Array, bracket: tuple[Array, Array]
+) -> Array:
+    """Return a guess of the impact inside its bracket: from the start by y, y' and y''
+    where y'' < 0 there, else a step from the end of the arcs, at h.
+    """
+    low, high = bracket
+    with np.errstate(all="ignore"):
+        left = (arc.v + np.sqrt(arc.v * arc.v - 2.0 * arc.b * arc.y)) / -arc.b
+        right = h - end.y / (end.v - 0.5 * end.y * end.b / end.v)
+        guess = np.where((arc.b < 0.0) & (left < high) & (left > low), left, right)
+    return np.where((guess > low) & (guess < high), guess, 0.5 * (low + high))
