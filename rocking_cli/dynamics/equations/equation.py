@@ -21,7 +21,6 @@ from ..lanes import Lanes
 from .recurrence import Series, TermRows
 
 if TYPE_CHECKING:
-    from .linear_flow import LinearFlow
     from .taylor import TaylorSeries
 
 
@@ -118,14 +117,12 @@ class Equation(ABC):
         return self
 
     def has_exact_flow(self, segments: Segments) -> bool:
-        """True if `flow` returns exact flows under this motion, not series."""
+        """True if the march follows exact flows under this motion, not `flow`."""
         return False
 
     @abstractmethod
-    def flow(self, segments: Segments, lanes: Lanes) -> "TaylorSeries | LinearFlow":
-        """Return the Taylor series of the lanes from their present state, or their
-        exact flow.
-        """
+    def flow(self, segments: Segments, lanes: Lanes) -> "TaylorSeries":
+        """Return the Taylor series of the lanes from their present state."""
 
     @abstractmethod
     def along(

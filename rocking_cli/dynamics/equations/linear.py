@@ -11,7 +11,6 @@ from ...arrays import Array
 from ...motions.segments import Segments
 from ..lanes import Lanes
 from .equation import Equation
-from .linear_flow import LinearFlow
 from .recurrence import Series
 from .taylor import TaylorSeries, line_flow, order_for, series, series_flow
 
@@ -70,12 +69,10 @@ class LinearEquation(Equation):
         steady = not self.damping and segments.weighed is None
         return steady and segments.harmonics == 1 and not segments.sloped
 
-    def flow(self, segments: Segments, lanes: Lanes) -> TaylorSeries | LinearFlow:
+    def flow(self, segments: Segments, lanes: Lanes) -> TaylorSeries:
         """The motion of each lane from its state."""
         if segments.straight:
             return line_flow(self, segments, lanes)
-        if self.has_exact_flow(segments):
-            return LinearFlow.of(segments, lanes)
         return series(
             *series_flow(self, segments, lanes, order_for(SERIES)), SERIES, self.damping
         )

@@ -14,29 +14,29 @@ the signs of y and y' at both ends tell what happens in a step:
 """
 
 from functools import lru_cache
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from ...arrays import Array
 from ...motions.segments import Segments
 from ..equations.equation import Equation, Instant
-from ..equations.linear_flow import LinearFlow
 from ..equations.taylor import MOST_TERMS, TaylorSeries, powers
 from ..lanes import Lanes
-from .exact import exact_step, impact_guess, peak_guess, root
 from .roots import bernstein_form, fall_guess, only_root, turn_guess
+
+if TYPE_CHECKING:
+    from ..equations.linear_flow import LinearFlow
 
 # a step with several sign changes is halved so often at the most; two turns closer than
 # 1e-9 of a step change y by less than rounding
 _HALVINGS = 30
-_LAST_DIGIT = 1e-15  # of an exact flow, over the sizes of its terms
 
 
 class StepResult(NamedTuple):
     """A step of lanes and its outcome. Every array is (lanes,)."""
 
-    arc: TaylorSeries | LinearFlow  # the motion from its start
+    arc: "TaylorSeries | LinearFlow"  # the motion from its start
     whole: Array  # True where the step ends with the closed form, or with a segment
     segment: Array  # the segment that begins there
     end: Instant  # the state at the end of the step
@@ -83,9 +83,12 @@ def advance(
     """Move each lane by one step, or to the impact in it, if there is one. until: the
     longest step [tau] that other events allow.
     """
+    if equation.has_exact_flow(segments):
+        from .exact import advance_exactly
+
+        return advance_exactly(segments, lanes, until)
     arc = equation.flow(segments, lanes)
-    if isinstance(arc, LinearFlow):
-        return _exactly(arc, segments, lanes, until)
+    assert isinstance(arc, TaylorSeries)
     left = segments.left_of_piece(lanes.segment, lanes.phase) / lanes.omega
     h, terms, one = one_turn_step(arc, np.minimum(left, until), segments.straight)
     end = arc.point(terms, h)
@@ -111,54 +114,6 @@ def advance(
         top_at * h,
         error_of(arc, terms, h),
         one.fastest / h,
-    )
-
-
-def _exactly(
-    arc: LinearFlow, segments: Segments, lanes: Lanes, until: Array | float
-) -> StepResult:
-    """As `advance`, along exact flows."""
-    step = exact_step(arc, segments, lanes, until)
-    h, end = step.h, step.end
-    hit = (end.y <= 0.0) & (step.turns | ~step.outward)
-    reach, zero = h.copy(), np.zeros(h.size)
-    first, top, top_at = zero.copy(), np.full(h.size, -np.inf), zero.copy()
-
-    turns = np.flatnonzero(step.turns & (step.outward | ~hit))
-    if turns.size:
-        own, sense = h[turns], np.where(step.outward[turns], 1.0, -1.0)
-        bending = arc.take(turns)
-        guess = peak_guess(bending, Instant(*(x[turns] for x in end)), own)
-        when, there = root(bending, (zero[turns], own), guess, sense)
-        out = sense > 0.0
-        peaks = turns[out]
-        first[peaks] = top_at[peaks] = when[out]
-        top[peaks] = there.y[out]
-        dips = ~out & ~(there.y > 0.0)
-        hit[turns[dips]], reach[turns[dips]] = True, when[dips]
-
-    impact_v, impact_force = zero.copy(), zero.copy()
-    at = np.flatnonzero(hit)
-    if at.size:
-        falling, bracket = arc.take(at), (first[at], reach[at])
-        guess = impact_guess(falling, Instant(*(x[at] for x in end)), h[at], bracket)
-        reach[at], there = root(falling, bracket, guess, None)
-        impact_v[at] = np.minimum(0.0, there.v)
-        impact_force[at] = falling.at_ground(reach[at])
-    rounding = np.abs(end.y) + np.abs(end.v) + np.abs(arc.b) + np.abs(arc.v)
-    return StepResult(
-        arc,
-        step.whole & ~hit,
-        step.segment,
-        end,
-        reach,
-        hit,
-        impact_v,
-        impact_force,
-        top,
-        top_at,
-        _LAST_DIGIT * rounding,
-        zero,
     )
 
 

@@ -27,7 +27,6 @@ from ..condition import (
 from ..contacts.sequences import STILL
 from ..drive import place
 from ..equations.equation import Equation
-from ..equations.linear_flow import LinearFlow
 from ..lanes import Lanes
 from ..observers.observer import Arcs, Observer
 from ..outcome import FALLEN, Outcome, Work
@@ -272,7 +271,10 @@ class Run:
         y, v = np.where(hit, 0.0, end.y), np.where(hit, step.impact_v, end.v)
         force = np.where(hit, step.impact_force, end.b + 2.0 * arc.damping * end.v)
         fastest = step.fastest
-        if isinstance(arc, LinearFlow):
+        if self.batch.equation.has_exact_flow(self.batch.segments):
+            from ..equations.linear_flow import LinearFlow
+
+            assert isinstance(arc, LinearFlow)
             fastest = arc.speed_bound(step.reach)
         arcs = Arcs(lanes, arc, step.reach, y, v, force, wanted, fastest)
         for observer in self.observers:

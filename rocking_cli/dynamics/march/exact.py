@@ -12,12 +12,14 @@ from ...motions.segments import Segments
 from ..equations.equation import Instant
 from ..equations.linear_flow import LONGEST, LinearFlow
 from ..lanes import Lanes
+from .advance import StepResult
 
 # a step of Halley's method this short, over every scale of the arc, leaves an error
 # below rounding after the last one: of a turn, where y is stationary, and of an impact
 _CLOSE_TURN, _CLOSE = 1e-3, 3e-6
 _ROUNDS = 200  # more than bisection needs for any bracket
 _HALVINGS = 60
+_LAST_DIGIT = 1e-15  # of an exact flow, over the sizes of its terms
 
 
 class ExactStep(NamedTuple):
@@ -29,6 +31,55 @@ class ExactStep(NamedTuple):
     whole: Array  # True where it does
     outward: Array  # True where y' >= 0 at the start
     turns: Array  # True where y' changes its sign
+
+
+def advance_exactly(
+    segments: Segments, lanes: Lanes, until: Array | float
+) -> StepResult:
+    """As `advance`, along exact flows."""
+    arc = LinearFlow.of(segments, lanes)
+    step = exact_step(arc, segments, lanes, until)
+    h, end = step.h, step.end
+    hit = (end.y <= 0.0) & (step.turns | ~step.outward)
+    reach, zero = h.copy(), np.zeros(h.size)
+    first, top, top_at = zero.copy(), np.full(h.size, -np.inf), zero.copy()
+
+    turns = np.flatnonzero(step.turns & (step.outward | ~hit))
+    if turns.size:
+        own, sense = h[turns], np.where(step.outward[turns], 1.0, -1.0)
+        bending = arc.take(turns)
+        guess = peak_guess(bending, Instant(*(x[turns] for x in end)), own)
+        when, there = root(bending, (zero[turns], own), guess, sense)
+        out = sense > 0.0
+        peaks = turns[out]
+        first[peaks] = top_at[peaks] = when[out]
+        top[peaks] = there.y[out]
+        dips = ~out & ~(there.y > 0.0)
+        hit[turns[dips]], reach[turns[dips]] = True, when[dips]
+
+    impact_v, impact_force = zero.copy(), zero.copy()
+    at = np.flatnonzero(hit)
+    if at.size:
+        falling, bracket = arc.take(at), (first[at], reach[at])
+        guess = impact_guess(falling, Instant(*(x[at] for x in end)), h[at], bracket)
+        reach[at], there = root(falling, bracket, guess, None)
+        impact_v[at] = np.minimum(0.0, there.v)
+        impact_force[at] = falling.at_ground(reach[at])
+    rounding = np.abs(end.y) + np.abs(end.v) + np.abs(arc.b) + np.abs(arc.v)
+    return StepResult(
+        arc,
+        step.whole & ~hit,
+        step.segment,
+        end,
+        reach,
+        hit,
+        impact_v,
+        impact_force,
+        top,
+        top_at,
+        _LAST_DIGIT * rounding,
+        zero,
+    )
 
 
 def exact_step(

@@ -2,21 +2,23 @@
 them what it may skip.
 """
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from ...arrays import Array
-from ..equations.linear_flow import LinearFlow
 from ..equations.taylor import TaylorSeries
 from ..lanes import Lanes
+
+if TYPE_CHECKING:
+    from ..equations.linear_flow import LinearFlow
 
 
 class Arcs(NamedTuple):
     """Motion of lanes from their present state until `stop`, each along its flow."""
 
     lanes: Lanes  # the present state
-    flow: TaylorSeries | LinearFlow  # series or exact flow of these lanes
+    flow: "TaylorSeries | LinearFlow"  # series or exact flow of these lanes
     stop: Array  # end of the motion after the present state [tau], (lanes,)
     y: Array  # displacement at `stop`, in the unit of the side, (lanes,)
     v: Array  # velocity y' at `stop`, by tau, (lanes,)
