@@ -1,5 +1,5 @@
 """The linear oscillator (Eqs. 2.4 and 3.6): y is |theta|/alpha. Its motion is a Taylor
-series, whose tolerance is near rounding; a user does not choose it.
+series, whose tolerance is near rounding (a user does not choose it), or exact.
 """
 
 import math
@@ -35,8 +35,9 @@ class LinearEquation(Equation):
 
     Notes
     -----
-    The motion is a Taylor series to 1e-12 of theta/alpha. The equation holds for
-    slender structures: angles for which sin(alpha) is close to alpha.
+    The motion is a Taylor series to 1e-12 of theta/alpha; without damping, under one
+    sinusoid, the closed form. The equation holds for slender structures: angles for
+    which sin(alpha) is close to alpha.
 
     Examples
     --------
