@@ -159,15 +159,19 @@ def slope_between(
     return law.slope(y, force)
 
 
-def at_free_peak(moments: Array, y: Array, v: Array, peak: Any) -> Array:
-    """Return the second moment of the peak that bodies have from the state (y, v) on,
-    by differences; moments: (3, lanes); peak: function of (y, v).
+def at_free_peak(
+    moments: Array, state: tuple[Array, Array, Array], highest: Array, peak: Any
+) -> Array:
+    """Return the second moment of the peak `highest` that bodies have from a state (y,
+    y', y'') on, by a difference; moments: (3, lanes); peak: function of (y, v).
     """
-    here = peak(y, v)
+    # The peak depends on the energy alone, whose gradient is (-y'', y').
+    y, v, force = state
+    size = np.hypot(v, force) + _TINY
+    by_y, by_v = -force / size, v / size
     # A body that overturns by the difference is as sensitive as one can see.
-    by_y, by_v = (
-        np.nan_to_num((there - here) / _STEP, nan=1.0 / _STEP)
-        for there in (peak(y + _STEP, v), peak(y, v + _STEP))
-    )
+    higher = (peak(y + _STEP * by_y, v + _STEP * by_v) - highest) / _STEP
+    rate = np.nan_to_num(higher, nan=1.0 / _STEP)
     yy, yv, vv = moments
-    return np.asarray(by_y * by_y * yy + 2.0 * by_y * by_v * yv + by_v * by_v * vv)
+    square = by_y * by_y * yy + 2.0 * by_y * by_v * yv + by_v * by_v * vv
+    return np.asarray(rate * rate * square)

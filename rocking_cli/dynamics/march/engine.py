@@ -436,9 +436,11 @@ class Run:
         def peak_of(y: Array, v: Array) -> Array:
             return batch.contact.free_motion(batch.equation, lanes, at, y, v).peak
 
+        y, v, top = lanes.y[at], lanes.v[at], peak[higher]
+        here = batch.equation.on(lanes.side[at], lanes.cell[at])
+        state = y, v, here.force(y, np.zeros(at.size))
         moments = lanes.moments[:3].take(at, axis=1)
-        moment = at_free_peak(moments, lanes.y[at], lanes.v[at], peak_of)
-        self._keep_moment(lanes, at, peak[higher], moment)
+        self._keep_moment(lanes, at, top, at_free_peak(moments, state, top, peak_of))
 
     def overturn(self, lanes: Lanes, at: Array) -> None:
         """Finish the lanes `at` as overturned."""

@@ -138,10 +138,11 @@ class MarchState:
             highest = self._onto_first(float(free.peak[0]))
             if self.carries and highest > self.peak:
                 self._carry_on(self.y, self.v, 0.0)
+                here = self.equation.on(np.array([self.edge.side]))
                 moment = at_free_peak(
                     np.array([self.moments]).T,
-                    lanes.y,
-                    lanes.v,
+                    (lanes.y, lanes.v, here.force(lanes.y, np.zeros(1))),
+                    free.peak,
                     lambda y, v: (
                         self.contact.free_motion(
                             self.equation, lanes, np.array([0]), y, v
