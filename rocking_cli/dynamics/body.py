@@ -280,20 +280,20 @@ def _safe_acceleration(body: Body, edge: int, ratio: float) -> float:
 
 def _safe(body: Body, edge: Edge, ratio: float) -> Array:
     """The largest of `_ACCELERATIONS` for which contact is proved on these edges, 0 if
-    there is none, (edges,). A proof holds for all smaller ones too, so the range is
-    halved.
+    there is none, (edges,). A proof holds for all smaller ones too: of every 16th one
+    first, then of those between.
     """
-    low = np.full(np.size(edge.alpha), -1)
-    high = np.full(low.shape, _ACCELERATIONS.size)
-    for _ in range(_ACCELERATIONS.size.bit_length()):
-        middle = np.maximum((low + high) // 2, 0)
-        push = _ACCELERATIONS[middle]
+    last = _ACCELERATIONS.size - 1
+    found = np.full(np.size(edge.alpha), -1)
+    for step in (16, 1):
+        tried = np.minimum(found + step * np.arange(1, 17)[:, None], last)
+        push = _ACCELERATIONS[tried]
         sway = ratio * push
         with np.errstate(all="ignore"):
             # Without overturning u stays below the equilibrium.
             slope = np.where(sway < 1.0, push / (1.0 - sway), np.inf)
             turn = edge.alpha + (slope if body.linear else np.arctan(slope))
             kept = body.contact_proved(edge, push, turn, sway)
-        low, high = np.where(kept, middle, low), np.where(kept, high, middle)
-    found: Array = np.where(low < 0, 0.0, _ACCELERATIONS[np.maximum(low, 0)])
-    return found
+        found = found + step * np.logical_and.accumulate(kept).sum(axis=0)
+    found = np.minimum(found, last)
+    return np.where(found < 0, 0.0, _ACCELERATIONS[np.maximum(found, 0)])
