@@ -17,6 +17,7 @@ from rocking_cli import (
     RockingParameters,
     load_structures,
     parse_grid,
+    pulse,
     response,
     sine,
     spectrum,
@@ -170,16 +171,28 @@ def test_a_spectrum_has_each_body_as_alone(method, grid):
             )
 
 
-@pytest.mark.slow
-def test_a_check_of_many_bodies_gives_the_verdict_on_each_alone():
-    """Of outcome and capacity; the shared march has the bodies with restraints."""
+# A body falls under the one pulse before its first impact.
+@pytest.mark.parametrize(
+    ("motion", "fields"),
+    [(pulse("rectangular"), None), (sine(), ("block", "unequal", "eta", "damping"))],
+)
+def test_a_check_of_many_bodies_gives_the_verdict_on_each_alone(motion, fields):
+    """Of outcome, and of capacity to its 1e-9; the shared march has the bodies with
+    restraints.
+    """
     shaking = parse_grid("a_g=0.35g,f_g=2")
-    bodies = {label: s for label, s in BODIES.items() if s.restraints is None}
-    asked = [(s, sine(), shaking) for s in bodies.values()]
+    bodies = {
+        label: s
+        for label, s in BODIES.items()
+        if s.restraints is None and (not fields or label.split(", ")[-1] in fields)
+    }
+    asked = [(s, motion, shaking) for s in bodies.values()]
     together = standings(asked, a_max=1.6, workers=1)
     for one, demand, label in zip(together, asked, bodies, strict=True):
         (alone,) = standings([demand], a_max=1.6, workers=1)
-        assert one == alone, label
+        assert (one.outcome, one.narrow) == (alone.outcome, alone.narrow), label
+        capacities = [x.capacity_demand or np.inf for x in (one, alone)]
+        assert capacities[0] == pytest.approx(capacities[1], rel=1e-9), label
 
 
 def parts(x, path=()):
