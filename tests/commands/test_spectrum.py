@@ -186,7 +186,12 @@ def heed_signals():
 @pytest.mark.parametrize(
     ("workers", "stop"),
     [
-        *(("2", stop) for stop in STOPS),
+        ("2", signal.SIGTERM),
+        ("2", signal.SIGINT),
+        *(
+            pytest.param("2", stop, marks=pytest.mark.soak)
+            for stop in set(STOPS) - {signal.SIGTERM, signal.SIGINT}
+        ),
         pytest.param("1", signal.SIGTERM, marks=pytest.mark.soak),
     ],
 )

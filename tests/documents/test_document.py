@@ -249,7 +249,7 @@ def test_a_slash_in_a_text_is_no_comment():
 )
 def test_a_mark_that_goes_on_and_on_is_read_or_refused(text, mark):
     with suppress(DocumentError):
-        parse_documents(text.format(60_000 * mark))
+        parse_documents(text.format(20_000 * mark))
 
 
 def test_a_document_of_any_depth_is_refused_in_its_place():

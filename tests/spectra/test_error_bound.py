@@ -65,8 +65,24 @@ def errors(structure, motion, tolerances, count, how="arrays"):
         yield np.abs(found.theta_ratio - exactly.theta_ratio)[known], bound
 
 
-@pytest.mark.parametrize("motion", ["one sine", "short record"])
-@pytest.mark.parametrize("system", [x for x in SYSTEMS if x != "arch"])
+# Systems of which a bound of a tenth is too low under the record: outside the soak.
+TIGHT = ("damped", "stocky", "stocky, unequal edges", "frame", "point mass")
+
+
+@pytest.mark.parametrize(
+    ("system", "motion"),
+    [
+        pytest.param(
+            system,
+            motion,
+            marks=[pytest.mark.soak]
+            * (motion == "short record" and system not in TIGHT),
+        )
+        for motion in ("one sine", "short record")
+        for system in SYSTEMS
+        if system != "arch"
+    ],
+)
 def test_the_error_against_an_independent_integration_is_below_the_bound(
     system, motion
 ):
