@@ -175,6 +175,20 @@ def place(segments: Segments, k: Array, u: Array) -> tuple[Array, Array]:
     return k, u
 
 
+def inside_piece(segments: Segments, k: Array, u: Array) -> tuple[Array, Array]:
+    """The same position within a piece, written so that the phase lies inside its
+    segment; k may be the number of segments or more.
+    """
+    k, u = np.minimum(k, len(segments) - 1), u.copy()
+    over = np.flatnonzero(segments.joins[k] & (u > segments.length[k]))
+    while over.size:
+        u[over] -= segments.length[k[over]]
+        k[over] += 1
+        at = k[over]
+        over = over[segments.joins[at] & (u[over] > segments.length[at])]
+    return k, u
+
+
 class RemainingImpulse(NamedTuple):
     """int |s| dphi to the end of a motion of sinusoids, which bounds overturning (Lemma
     9). Every array is (segments,).

@@ -20,7 +20,7 @@ from ..motions.biaxial import combined
 from ..motions.motion import Motion, extremes
 from ..motions.polyline import Polyline
 from ..motions.segments import Segments, followed_by
-from .drive import drive_change
+from .drive import drive_change, inside_piece
 
 _ALIKE = 1e-9  # over the length of a piece: extremes this close count as one
 # segments, of 400 bytes each: of motions with more, the cache keeps only the last one
@@ -65,8 +65,11 @@ class WeighedSegments(Segments):
         ) * amplitude
 
     def weight(self, side: Array, amplitude: Array, k: Array, u: Array) -> Array:
-        """The weight over m g, w, at phase u of segment k."""
-        return 1.0 + self.sway(side, amplitude) * _value(self.vertical, k, u)
+        """The weight over m g, w, at phase u of segment k; u may go on to the end of
+        the piece.
+        """
+        here = inside_piece(self, k, u)
+        return 1.0 + self.sway(side, amplitude) * _value(self.vertical, *here)
 
     def net(self, side: Array, amplitude: Array, k: Array, u: Array) -> Array:
         """The net drive c at phase u of segment k, on this side."""

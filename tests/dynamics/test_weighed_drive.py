@@ -331,3 +331,16 @@ def test_points_under_a_vertical_sine_are_as_the_same_lines_in_pieces():
     )
     np.testing.assert_array_equal(found.outcome, wanted.outcome)
     np.testing.assert_array_equal(found.theta_ratio, wanted.theta_ratio)
+
+
+@pytest.mark.parametrize("name", ["ricker-symmetric", "mavroeidis-papageorgiou"])
+def test_the_weight_holds_to_the_end_of_a_piece(name):
+    """A step goes across the extremes of a piece, each of which begins a segment."""
+    motion = with_vertical(sine(), pulse(name), 0.5)
+    segments = weighed(motion, 1.0, 1.0)
+    k = np.repeat(np.arange(len(segments)), 20)
+    left = segments.left_of_piece(k, np.zeros(k.size))
+    u = np.tile(np.linspace(0.0, 0.999, 20), len(segments)) * left
+    found = segments.weight(np.ones(k.size), np.ones(k.size), k, u)
+    wanted = 1.0 + motion.vertical.value(segments.start[k] + u)
+    np.testing.assert_allclose(found, wanted, rtol=0, atol=1e-12)
