@@ -10,7 +10,9 @@ differ are computed again with tolerance 1e-13 by both marches, at five amplitud
 within 2e-12, and listed. So are cells whose rotations differ by more than 1e-8 (a few
 of each scene): they count as `conditioned` if the march on floats is within 1e-9 times
 1 + d theta/d ln A of the finer one. `--only` is a pattern of kinds and motions, such as
-`arch` or `plain.*record`. With `--base DIR` the package in DIR takes the place of the
+`arch` or `plain.*record`. `--tied` draws bodies with ties and a tendon; what a package
+without vertical motion under them knows is `--only "tied (?!.*vertical)"`. With `--base
+DIR` the package in DIR takes the place of the
 march on floats, in a process of its own.
 """
 
@@ -27,6 +29,7 @@ from typing import NamedTuple
 import numpy as np
 from support.bodies import ARCH, random_body
 from support.synthetic_records import motion_of_samples
+from support.tied_bodies import random_tied
 
 from rocking_cli import Method, Motion, System, pulse, response, sine
 from rocking_cli.dynamics.outcome import Outcome, safe
@@ -39,6 +42,7 @@ APART, LOOKED_AT = (
     1e-8,
     2,
 )  # rotations that differ by more are looked at, so many a scene
+TIED = 10**9  # scenes of tied bodies have numbers from here on
 EDGES = (
     "plain",
     "unequal",
@@ -147,6 +151,8 @@ def pieces(random: np.random.Generator) -> Motion:
 def scene(seed: int) -> Scene:
     """The scene of this number."""
     random = np.random.default_rng(seed)
+    if seed >= TIED:
+        return tied_scene(random)
     edges = EDGES[seed % len(EDGES)]
     model = ("linear", "nonlinear")[seed // len(EDGES) % 2]
     vertical = random.random() < 0.2
@@ -170,6 +176,24 @@ def scene(seed: int) -> Scene:
     shaking = "record" if of_record else motion.name
     name = f"{model} {edges}{' vertical' * vertical} under {shaking}"
     return Scene(name, model, body, motion, omega, eta)
+
+
+def tied_scene(random: np.random.Generator) -> Scene:
+    """A body with ties and a tendon, slender or stocky."""
+    vertical = random.random() < 0.2
+    motion, model = motion_of(random, vertical), random.choice(["linear", "nonlinear"])
+    body = random_tied(random, (0.05, 0.95))
+    eta = random.uniform(0.3, 0.99, ROWS)
+    eta = -eta if body.one_sided else eta
+    of_record = motion.samples is not None
+    omega = 10.0 ** random.uniform(-0.5, 1.3, ROWS)
+    if of_record:
+        omega = 1.0 / random.uniform(0.7, 7.0, ROWS)
+    shaking = "record" if of_record else motion.name
+    kind = "one-sided" if body.one_sided else "plain"
+    name = f"{model} tied {kind}{' damped' * bool(body.damping)}"
+    name += f"{' vertical' * vertical} under {shaking}"
+    return Scene(name, str(model), body, motion, omega, eta)
 
 
 def cells_of(
@@ -334,6 +358,7 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--only", default="")
     parser.add_argument("--base", default="")
+    parser.add_argument("--tied", action="store_true")
     parser.add_argument("--serve", action="store_true")
     asked = parser.parse_args()
     if asked.serve:
@@ -341,7 +366,7 @@ def main() -> None:
         return
     counts, near, listed = Counter(), 0, Counter()
     other, spent = Other(asked.base), 0.0
-    number = asked.seed * 1_000_000
+    number = asked.seed * 1_000_000 + TIED * asked.tied
     while counts.total() < asked.cells:
         one, number = scene(number), number + 1
         if not re.search(asked.only, one.name):
