@@ -71,8 +71,8 @@ class Batch(NamedTuple):
     equation: Equation  # equation of motion of all cells
     contact: Contact  # contact of all cells
     cells: Cells  # the drive of each cell
-    # segments of the motion, then still ground if damping leaves the free motion
-    # without a closed form
+    # segments of the motion, then still ground if damping or restraints leave the free
+    # motion without a closed form
     segments: Segments
     # index of the segment with which the motion of each cell begins, (cells,)
     first: Array
@@ -97,7 +97,9 @@ class Batch(NamedTuple):
         """
         equation, shaken = system.equation, len(segments)
         cells = system.contact.cells(equation, amplitude, omega)
-        if equation.damping and omega.size:
+        if system.devices is not None:
+            segments = segments.followed_by_rest(np.inf)
+        elif equation.damping and omega.size:
             segments = segments.followed_by_rest(
                 SETTLING * (1.0 + 3.0 * equation.damping) * float(cells.omega.max())
             )

@@ -187,9 +187,9 @@ def response(
     if system.devices is not None:
         from .tied.tied_march import March
 
-        coarsest = motion.coarsest
-        alone = how == "floats" and cells[0].size <= few(system, len(coarsest.segments))
-        march = March(system, coarsest, *cells, alone=alone)
+        batch = _batch(system, motion, cells, peaks)
+        alone = how == "floats" and cells[0].size <= few(system, batch.shaken)
+        march = March(system.devices, batch, alone=alone)
         return _response(march.run(), shape, peaks)
     if how == "floats":
         return _one_by_one(system, motion, cells, shape, peaks)
@@ -398,15 +398,16 @@ def response_with_speed(
     """
     from .observers.peak_speed import PeakSpeed
 
-    if system.devices is not None:
-        raise UsageError(
-            "found ties or a tendon; expected a body without them, whose largest speed"
-            " is computed"
-        )
-    _, shape, cells = _flat(system, amplitude, omega)
+    system, shape, cells = _flat(system, amplitude, omega)
     batch = _batch(system, motion, cells, peaks=True)
     speed = PeakSpeed(batch)
-    run = _marched(system, motion, cells, batch, speed)
+    run: Run | Found
+    if system.devices is not None:
+        from .tied.tied_march import March
+
+        run = March(system.devices, batch, speed=speed).run()
+    else:
+        run = _marched(system, motion, cells, batch, speed)
     return _response(run, shape), np.where(
         safe(run.outcome), speed.speed.largest, np.nan
     ).reshape(shape)

@@ -232,10 +232,10 @@ class System(NamedTuple):
             there is none
         """
         one = self.contact.amplitudes(self.equation, np.ones(1))
-        segments = self.segments(motion)
+        segments, held = self.segments(motion), one
         if self.devices is not None:
-            one = one / self.devices.held_at_first()
-        strongest = float(self.contact.strongest(one, segments)[0])
+            held = one / self.devices.held_at_first()
+        strongest = float(self.contact.strongest(held, segments)[0])
         # w < 0 above 1/|w - 1| of A = 1, also where a wall holds the body
         if (weighed := segments.weighed) is not None:
             strongest = max(

@@ -69,6 +69,16 @@ class Event(NamedTuple):
     device: str = ""  # the tie or tendon, "" without one
 
 
+class Pull(NamedTuple):
+    """The forces of ties and a tendon on a body over m g."""
+
+    inward: Any  # against the side on which the body is, at rest against +x [-]
+    down: Any  # [-]
+
+
+FREE = Pull(0.0, 0.0)  # nothing pulls
+
+
 class DeviceForces(NamedTuple):
     """The forces of ties and the tendon over time, fixed + rate e from each start on.
     At rest a tie of both sides has the larger of its two forces.
@@ -79,6 +89,49 @@ class DeviceForces(NamedTuple):
     row: Array  # index of the side, as in `Devices`, (times,)
     fixed: Array  # [N], (devices, times)
     rate: Array  # [N/m], (devices, times)
+    # forces with which the devices hold the body at the ground against each side [N],
+    # (sides, devices, times)
+    held: Array
+
+    def pull(self, tau: Array, y: Array) -> Pull:
+        """Return what pulls at displacements y of moving bodies, by the laws at times
+        tau, both (n,).
+        """
+        at = np.searchsorted(self.start, tau, side="right") - 1
+        row, devices = self.row[at], self.devices
+        force = self.fixed[:, at] + self.rate[:, at] * devices.elongation(row, y)
+        half = 0.5 * devices.unit[row, 0] * y
+        tendon = devices.tendon[:, None]
+        across = np.where(tendon, np.sin(half), 1.0) * force
+        down = np.where(tendon, np.cos(half), 0.0) * force
+        return Pull(*(x.sum(axis=0) / devices.weight for x in (across, down)))
+
+    def at_ground(self, tau: Array, side: float | None = None) -> Pull:
+        """Return what pulls at times tau on a body that has just left the ground onto a
+        side, None: on one that rests, which the ties of either side pull.
+        """
+        row, held = self._row(side), self._held(tau)
+        across = np.where(self.devices.tendon[:, None], 0.0, held).sum(axis=1)
+        inward = across[row]
+        if side is None and len(across) > 1:
+            inward = across[0] - across[1]
+        down = held[row, self.devices.tendon].sum(axis=0)
+        return Pull(inward / self.devices.weight, down / self.devices.weight)
+
+    def holds(self, tau: Array, side: float) -> Array:
+        """Return the restoring acceleration -y'' that the devices add at times tau to a
+        body that has just left the ground onto a side.
+        """
+        row = self._row(side)
+        moment = self._held(tau)[row] * self.devices.height[row, :, None]
+        return np.asarray(moment.sum(axis=0) / self.devices.moment[row, 0])
+
+    def _row(self, side: float | None) -> int:
+        return int(self.devices.row(np.array([side or 1.0]))[0])
+
+    def _held(self, tau: Array) -> Array:
+        at = np.searchsorted(self.start, tau * LATE, side="right") - 1
+        return self.held[:, :, np.maximum(at, 0)]
 
     def columns(self, tau: Array, theta: Array) -> dict[str, Array]:
         """Return the force [N] of each device at times tau, with rotations theta [rad]

@@ -437,7 +437,7 @@ def _of_history(
     }
     if own.outcome.overturned and own.lost is not None:
         top["lost_in_fall"] = True
-    if structure.arm is None or devices:
+    if structure.arm is None:
         return top
     asked = found.forces[method.model].summary("tau", 1.0)
     of_forces = {key: asked[key] for key in ("friction_needed", "fz_min")}

@@ -13,7 +13,7 @@ import numpy as np
 from ..arrays import Array
 from ..dynamics.outcome import Outcome
 from ..structures.mechanics.measured import Measured
-from .arcs import LATE, Event
+from .arcs import FREE, LATE, Event, Pull
 from .chebyshev import Extent, extent, first_below
 from .force_history import ForceHistory
 from .ground_forces import (
@@ -50,7 +50,9 @@ class ContactForces(ForceHistory):
 
     def at_rest(self, tau: Array) -> dict[str, Array]:
         across, up = self.ground.at(tau)
-        return {"fx_ratio": across, "fz_ratio": 1.0 + up}
+        held = self.found.device_forces
+        pull = FREE if held is None else held.at_ground(tau)
+        return {"fx_ratio": across + pull.inward, "fz_ratio": 1.0 + up + pull.down}
 
     def around(self, tau: float) -> tuple[Forces, Forces]:
         """Return the forces just before and just after an instant; they differ at
@@ -90,18 +92,23 @@ class ContactForces(ForceHistory):
         """
         if not high > low * (1.0 + 1e-12):
             return
-        across, up = self.ground.during(0.5 * (low + high), np.array([low, high]))
+        ends = np.array([low, high])
+        across, up = self.ground.during(0.5 * (low + high), ends)
+        held = self.found.device_forces
         for side in (1.0,) if self.structure.one_sided else (1.0, -1.0):
             edge, equation = (
                 self.statics[side],
                 self.found.equation.on(np.full(2, side)),
             )
             drive = -side * across / (edge.alpha * equation.uplift_amplitude)
-            acceleration = edge.alpha * equation.rotation(
-                equation.force(np.zeros(2), drive, 1.0 + up)
-            )
+            force, pull = equation.force(np.zeros(2), drive, 1.0 + up), FREE
+            if held is not None:
+                force = force - held.holds(ends[:1], side)
+                pull = held.at_ground(ends[:1], side)
+            acceleration = edge.alpha * equation.rotation(force)
+            still = np.zeros(2)
             found = body_forces(
-                edge, side, np.zeros(2), np.zeros(2), acceleration, across, up
+                edge, side, still, still, acceleration, across, up, pull
             )
             yield from (
                 (tau, Forces(float(fx), float(fz)))
@@ -120,7 +127,9 @@ class ContactForces(ForceHistory):
             for bounce in self._low_bounces(low, high)
         ]
         rocking = [RequiredFriction(forces.friction, tau) for tau, forces in bounces]
-        weights += [(1.0, 0.0), *((forces.fz, tau) for tau, forces in bounces)]
+        still = self.at_rest(np.zeros(1))["fz_ratio"] - self.ground.at(np.zeros(1))[1]
+        weights += [(float(still[0]), 0.0)]
+        weights += [(forces.fz, tau) for tau, forces in bounces]
         least, without_weight = self._least_on_arcs(min(weights))
         rocking += without_weight
         rocking += self._frictions_on_arcs(max(rocking, default=None))
@@ -149,9 +158,13 @@ class ContactForces(ForceHistory):
         """
         frictions: list[RequiredFriction] = []
         weights: list[tuple[float, float]] = []
+        held = self.found.device_forces
         for _, rests, lifts in self.rests():
+            pull = FREE
+            if held is not None:
+                pull = Pull(*(float(x[0]) for x in held.at_ground(np.array([rests]))))
             for weight, ratio in (
-                self.ground.extents(rests, lifts) if lifts > rests else ()
+                self.ground.extents(rests, lifts, *pull) if lifts > rests else ()
             ):
                 weights.append((weight.least, weight.at_least))
                 frictions += (

@@ -17,7 +17,7 @@ from ..dynamics.equations.equation import Equation, Instant
 from ..motions.blocks import blocks
 from ..structures.mechanics.measured import Measured
 from ..structures.parameters import RockingParameters
-from .arcs import Event, History
+from .arcs import FREE, Event, History, Pull
 from .chebyshev import extent
 from .ground_history import GroundMotion
 
@@ -46,6 +46,7 @@ class Instants(NamedTuple):
     point: Instant  # y and its derivatives in the unit of the side
     across: Array  # xg''/g, (n,)
     up: Array  # zg''/g, (n,)
+    pull: Pull  # of ties and a tendon, (n,) each
 
 
 @dataclass(frozen=True)
@@ -74,11 +75,13 @@ class ForceHistory:
         arcs = self.found.arcs
         sides = arcs.side[arc]
         middle = 0.5 * (arcs.start[arc] + arcs.stop[arc])
+        point, held = arcs.points(arc, tau), self.found.device_forces
         at = Instants(
             float(sides[0]),
             self.found.equation.on(sides),
-            arcs.points(arc, tau),
+            point,
             *self.ground.during(middle, tau),
+            FREE if held is None else held.pull(middle, point.y),
         )
         return self.statics[at.side].forces_at(at)
 

@@ -9,7 +9,13 @@ With s = sgn theta, phi = alpha - |theta|, R from the edge to the mass centre an
     u = |theta| [rad], ' = d/d(p t)
 
 for any equation of motion, since they are the forces that move the mass centre as in
-the response. At rest they are xg''/g and 1 + zg''/g. The base needs a coefficient of
+the response. At rest they are xg''/g and 1 + zg''/g. Ties and a tendon with the forces
+F_i and T on the side s add
+
+    s (sum F_i + T sin(|theta|/2))/(m g) to Fx/(m g),   T cos(theta/2)/(m g) to Fz/(m g)
+
+where the tendon pulls along the line between both ends of its gap. At rest the ties of
+either side pull, and Fx bears their difference. The base needs a coefficient of
 friction of max |Fx|/Fz, and Fz > 0 at all times. The impulses of the ground in an
 impact are
 
@@ -31,6 +37,7 @@ from ..dynamics.body import ground_reaction
 from ..errors import UsageError
 from ..structures.mechanics.measured import Measured, ratio_of
 from ..structures.parameters import RockingParameters
+from .arcs import FREE, Pull
 from .force_history import Instants
 
 
@@ -108,15 +115,17 @@ def body_forces(
     acceleration: Array,
     ground: Array,
     vertical: Array,
+    pull: Pull = FREE,
 ) -> Forces:
     """Return the forces over m g on one side, +1 or -1, whose edge has these numbers: u
-    = |theta| [rad], its first and second derivative by tau = p t of the side, and the
-    ground acceleration xg''/g and zg''/g [-], arrays of one shape.
+    = |theta| [rad], its first and second derivative by tau = p t of the side, the
+    ground acceleration xg''/g and zg''/g [-], and what ties and a tendon pull, arrays
+    of one shape.
     """
     outward, up = ground_reaction(
         edge, u, rate, acceleration, -side * ground, 1.0 + vertical
     )
-    return Forces(side * outward, up)
+    return Forces(side * (outward + pull.inward), up + pull.down)
 
 
 @dataclass(frozen=True)
@@ -135,7 +144,8 @@ class ForceEdge:
             self.alpha * at.equation.rotation(x)
             for x in (at.point.y, at.point.v, at.point.b)
         )
-        fx, fz = body_forces(self, at.side, u, rate, acceleration, at.across, at.up)
+        ground = at.across, at.up
+        fx, fz = body_forces(self, at.side, u, rate, acceleration, *ground, at.pull)
         measures = {"fz_min": -fz, "friction": ratio_of(np.abs(fx), fz)}
         return Measured(
             {"fx_ratio": fx, "fz_ratio": fz},

@@ -81,32 +81,36 @@ class GroundMotion:
         )
         return across, up
 
-    def extents(self, low: float, high: float) -> Iterator[tuple[Extent, Extent]]:
-        """Yield the extents on [low, high] of the weight over m g, and of the ratio of
-        xg''/g to it; for straight lines once, otherwise for each piece. The ratio means
-        nothing if the weight is not positive.
+    def extents(
+        self, low: float, high: float, across: float = 0.0, down: float = 0.0
+    ) -> Iterator[tuple[Extent, Extent]]:
+        """Yield the extents on [low, high] of the vertical force over m g, and of the
+        ratio of the horizontal one to it, of a body at rest; for straight lines once,
+        otherwise for each piece. The ratio means nothing if the vertical force is not
+        positive. across, down: what holds the body, over m g, as of `DeviceForces`.
         """
-        if (lines := self.lines(low, high)) is not None:
+        if (lines := self.lines(low, high, across, down)) is not None:
             yield lines
             return
         first, last = self._between(low, high)
         for a, b in pairwise([low, *self.stops[first:last].tolist(), high]):
             middle = 0.5 * (a + b)
-            weight = extent(partial(self._weight, middle), a, b)
+            weight = extent(partial(self._weight, middle, down), a, b)
             yield (
                 weight,
                 (
-                    extent(partial(self._ratio, middle), a, b)
+                    extent(partial(self._ratio, middle, across, down), a, b)
                     if weight.least > 0.0
                     else weight
                 ),
             )
 
-    def _weight(self, inside: float, tau: Array) -> Array:
-        return 1.0 + self.during(inside, tau)[1]
+    def _weight(self, inside: float, down: float, tau: Array) -> Array:
+        return 1.0 + down + self.during(inside, tau)[1]
 
-    def _ratio(self, inside: float, tau: Array) -> Array:
-        return self.during(inside, tau)[0] / self._weight(inside, tau)
+    def _ratio(self, inside: float, across: float, down: float, tau: Array) -> Array:
+        push = across + self.during(inside, tau)[0]
+        return push / self._weight(inside, down, tau)
 
     def _between(self, low: float, high: float) -> tuple[int, int]:
         """Return the indices of the first piece that ends after `low`, and of the first
@@ -116,18 +120,19 @@ class GroundMotion:
             np.searchsorted(self.stops, high)
         )
 
-    def lines(self, low: float, high: float) -> tuple[Extent, Extent] | None:
-        """Return the extents on [low, high] of the weight over m g, and of the ratio of
-        xg''/g to it, for straight lines: the extremes are at the ends of lines. The
-        ratio means nothing if the weight is not positive. None for a motion of other
-        pieces.
+    def lines(
+        self, low: float, high: float, across: float = 0.0, down: float = 0.0
+    ) -> tuple[Extent, Extent] | None:
+        """Return what `extents` yields for straight lines: the extremes are at the ends
+        of lines. None for a motion of other pieces.
         """
         signals = [x for x in self._signals if isinstance(x, Polyline)]
         if len(signals) < len(self._signals):
             return None
-        across, *up = signals
+        first_signal, *up = signals
         if low >= self.stops[-1]:
-            return Extent(1.0, low, 1.0, low), Extent(0.0, low, 0.0, low)
+            weight, ratio = 1.0 + down, across / (1.0 + down)
+            return Extent(weight, low, weight, low), Extent(ratio, low, ratio, low)
         first, last = self._between(low, high)
         found: list[tuple[Extent, Extent]] = []
         for part in blocks(min(last, self.stops.size - 1) + 1 - first):
@@ -139,14 +144,15 @@ class GroundMotion:
                 ]
             )
             tau[0, k == 0] = low
-            phase = tau * self.omega - across.start[k]
+            phase = tau * self.omega - first_signal.start[k]
             push, *rise = (
                 self.amplitude * (x.constant[k] + x.slope[k] * phase)
-                for x in (across, *up)
+                for x in (first_signal, *up)
             )
-            weight = 1.0 + sum(rise, start=np.zeros(tau.shape))
+            upwards = 1.0 + down + sum(rise, start=np.zeros(tau.shape))
             with np.errstate(divide="ignore", invalid="ignore"):
-                found.append((_extent(weight, tau), _extent(push / weight, tau)))
+                ratios = (across + push) / upwards
+            found.append((_extent(upwards, tau), _extent(ratios, tau)))
         return reduce(Extent.join, (weight for weight, _ in found)), reduce(
             Extent.join, (ratio for _, ratio in found)
         )

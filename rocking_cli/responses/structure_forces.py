@@ -17,15 +17,10 @@ def forces_of(
     structure: RockingParameters, model: str, ground: GroundMotion, found: History
 ) -> ForceHistory:
     """Return the forces along a response by the equation `model`. Raises UsageError if
-    they are not known: ties, dampers and damping have no place in them, and those at
-    joints may not be unique.
+    they are not known: damping has no place in those at joints, which may not be
+    unique.
     """
     name, statics = structure.name, None
-    if found.devices:
-        raise UsageError(
-            f"{name}: found ties or a tendon; expected a body without them, whose"
-            " forces on the ground are known"
-        )
     if structure.mechanism is not None:
         from .joint_statics import joints_of
 

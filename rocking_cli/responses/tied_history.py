@@ -7,6 +7,8 @@ from typing import Any
 
 import numpy as np
 
+from ..arrays import Array
+from ..dynamics.batch import Batch
 from ..dynamics.equations.taylor import TaylorSeries
 from ..dynamics.lanes import Lanes
 from ..dynamics.outcome import LOST, Outcome
@@ -32,13 +34,9 @@ class _TiedWriter(Writer):
         super().__init__(system.equation, omega)
         assert system.devices is not None
         self.until, self.devices = until, system.devices
+        prestress = system.devices.prestress
         self.laws = [
-            (
-                0.0,
-                0,
-                system.devices.prestress.max(axis=0),
-                0.0 * system.devices.prestress[0],
-            )
+            (0.0, 0, prestress.max(axis=0), 0.0 * prestress[0], prestress.copy())
         ]
 
     def tau(self, lanes: Lanes) -> float:
@@ -47,7 +45,9 @@ class _TiedWriter(Writer):
         k = min(int(lanes.segment[0]), len(self.march.segments) - 1)
         return (float(segments.start[k]) + float(lanes.phase[0])) / self.omega
 
-    def keep(self, lanes: Lanes, arc: TaylorSeries, reach: float, now: Branch) -> None:
+    def keep(
+        self, lanes: TiedLanes, arc: TaylorSeries, reach: float, now: Branch
+    ) -> None:
         """Keep an arc of the first lane that begins now and lasts `reach` [tau of the
         side], and the force law of the devices on it.
         """
@@ -57,6 +57,7 @@ class _TiedWriter(Writer):
                 int(self.devices.row(lanes.side)[0]),
                 now.fixed[:, 0],
                 now.rate[:, 0],
+                self._held(lanes),
             )
         )
         pace = self.omega / float(lanes.omega[0])
@@ -96,21 +97,27 @@ class _TiedWriter(Writer):
         side], and the uplift after the rest.
         """
         lasts = bounces * float(before.omega[0]) / self.omega
-        rows = range(len(self.devices.stiffness))
-        held = [
-            self.devices.force_at_ground(
-                np.array([row]), before.branch[row], before.plastic[row]
-            )[:, 0]
-            for row in rows
-        ]
-        self.laws.append(
-            (self.tau(before) + lasts, 0, np.max(held, axis=0), 0.0 * held[0])
-        )
+        held, begins = self._held(before), self.tau(before) + lasts
+        begins = min(begins, self.tau(after))
+        self.laws.append((begins, 0, held.max(axis=0), 0.0 * held[0], held))
         lifts = after.segment[0] < len(self.march.segments)
         if not lifts or self.tau(after) > self.tau(before) + lasts:
             self.note(before, "rest", 0.0, 0.0, later=lasts)
         if lifts:
             self.note(after, "uplift", 0.0, 0.0)
+
+    def _held(self, lanes: TiedLanes) -> Array:
+        """Return the forces [N] with which the devices would hold the first lane at the
+        ground against each side, (sides, devices).
+        """
+        return np.array(
+            [
+                self.devices.force_at_ground(
+                    np.array([row]), lanes.branch[row, :, :1], lanes.plastic[row, :, :1]
+                )[:, 0]
+                for row in range(len(self.devices.stiffness))
+            ]
+        )
 
     def pop_lost_contact(self) -> float | None:
         """Drop the loss of contact, which would end the history before the fall of a
@@ -122,8 +129,11 @@ class _TiedWriter(Writer):
 
     def forces(self) -> DeviceForces:
         """Return the forces of the devices over time."""
-        start, row, fixed, rate = (np.array(x) for x in zip(*self.laws, strict=True))
-        return DeviceForces(self.devices, start, row, fixed.T, rate.T)
+        columns = (np.array(x) for x in zip(*self.laws, strict=True))
+        start, row, fixed, rate, held = columns
+        return DeviceForces(
+            self.devices, start, row, fixed.T, rate.T, np.moveaxis(held, 0, -1)
+        )
 
 
 def tied_history(
@@ -134,17 +144,9 @@ def tied_history(
     release: float,
     duration: float,
 ) -> History:
-    """Return the history of a body with ties or a tendon; arguments as `history`.
-    Raises UsageError for a vertical motion.
-    """
+    """Return the history of a body with ties or a tendon; arguments as `history`."""
     recorder = _TiedWriter(system, duration * omega, omega)
-    recorder.march = march = March(
-        system,
-        motion.coarsest,
-        np.array([amplitude]),
-        np.array([omega]),
-        recorder,
-    )
+    recorder.march = march = _march(system, motion, amplitude, omega, recorder)
     found = march.run(release)
     outcome, rows = Outcome(int(found.outcome[0])), tuple(device_rows(system, march))
     # A body that overturns has overturned whatever its Fz, as a body without ties.
@@ -154,6 +156,20 @@ def tied_history(
     )
     forces = recorder.forces()
     return replace(history, devices=rows, device_forces=forces, lost=lost)
+
+
+def _march(
+    system: System,
+    motion: Motion,
+    amplitude: float,
+    omega: float,
+    recorder: _TiedWriter | None = None,
+) -> March:
+    """Return the march of one body."""
+    assert system.devices is not None
+    a, w = np.array([amplitude]), np.array([omega])
+    batch = Batch.of(system, system.segments(motion.coarsest), a, w)
+    return March(system.devices, batch, recorder)
 
 
 def device_rows(system: System, march: March) -> list[dict[str, Any]]:
@@ -220,13 +236,8 @@ def with_capacity(
     assert devices is not None
     if not (np.isfinite(devices.force) & np.isinf(devices.ultimate)).any():
         return rows
-    march = March(
-        system,
-        motion.coarsest,
-        np.array([amplitude]),
-        np.array([omega]),
-    )
-    march.run(0.0)
+    march = _march(system, motion, amplitude, omega)
+    march.run()
     return tuple(
         {**row, "endless": row["endless"] or at_capacity["endless"]}
         for row, at_capacity in zip(rows, device_rows(system, march), strict=True)

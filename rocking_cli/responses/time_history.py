@@ -265,7 +265,9 @@ class TimeHistory(Shown):
         None without one, if forces are not known, and for a body with ties, whose march
         checks Fz itself.
         """
-        if self.histories[model].outcome not in (Outcome.ROCKED, Outcome.LOST_CONTACT):
+        found = self.histories[model]
+        falls = found.outcome not in (Outcome.ROCKED, Outcome.LOST_CONTACT)
+        if falls or found.devices:
             return None
         try:
             return self.forces[model].lost

@@ -96,14 +96,14 @@ def _statics(
     document: Document, held: Restraints, stands: Sequence[Stand]
 ) -> list[dict[str, Any]]:
     """Return the statics on each edge as rows, one row for equal edges. Raises
-    DocumentError for restraints that are too stiff, and for a friction: the ground
-    forces of a tied body are not computed.
+    DocumentError for restraints that are too stiff, and for a friction: the sliding of
+    a tied body is not computed.
     """
     first = restraints_in(document)[0]
     if document.has("friction"):
         raise document.fault(
             "friction",
-            f"friction of a body with {first}, whose ground forces are not computed",
+            f"friction of a body with {first}, whose sliding is not computed",
             "no friction",
         )
     rows = [{"side": stand.side, **held.statics(stand)} for stand in stands]

@@ -135,9 +135,8 @@ class TiedBody(Body):
             z = self.edge(side).alpha - u
             # Just inside the step, where the ground is that of the step.
             inside = step.t + step.h * np.clip(parts, 1e-9, 1.0 - 1e-9)
-            acceleration = self.acceleration(
-                side, u, v, *shaking.at(inside if t[-1] <= shaking.end else t)
-            )
+            ground = shaking.at(inside if t[-1] <= shaking.end else t)
+            acceleration = self.acceleration(side, u, v, *ground)
             pressed = (
                 sum(d.tension(u) * np.cos(0.5 * u) for d in self.on(side) if d.tendon)
                 / self.weight
@@ -147,7 +146,8 @@ class TiedBody(Body):
                 / self.gravity
                 * (acceleration * np.sin(z) - v * v * np.cos(z))
             )
-            least.append(float(np.min(1.0 + lifted + pressed)))
+            weight = 1.0 + ground[1] / self.gravity
+            least.append(float(np.min(weight + lifted + pressed)))
 
         integrate(self, shaking, still_impacts=3, seen=seen, **more)
         return min(least)

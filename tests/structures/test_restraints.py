@@ -19,10 +19,8 @@ from rocking_cli import (
     parse_grid,
     response,
     sine,
-    time_history,
     write_spectrum,
 )
-from rocking_cli.dynamics.response import response_with_speed
 from rocking_cli.envelopes.intervals import check_curves, frequency_axis
 from rocking_cli.errors import DocumentError, UsageError
 from rocking_cli.responses.solving import boundaries
@@ -329,29 +327,11 @@ def test_a_drawing_shows_ties_and_tendon():
 
 @pytest.mark.parametrize("text", [TIED, BLOCK + TENDON])
 def test_what_does_not_know_restraints_refuses_them(text):
-    body, grid = built(text), parse_grid("a_g=0.3g,f_g=1")
+    body = built(text)
     with pytest.raises(
         UsageError, match="found damping, one side, unequal sides, ties or a tendon"
     ):
         check_curves(body, sine(), frequency_axis("Omega=2"))
-    with pytest.raises(
-        UsageError,
-        match=(
-            "found ties or a tendon; expected a body without them, whose forces on the"
-            " ground are known"
-        ),
-    ):
-        next(time_history(body, sine(), grid).rows(forces=True))
-    with pytest.raises(
-        UsageError,
-        match=(
-            "found ties or a tendon; expected a body without them, whose largest speed"
-            " is computed"
-        ),
-    ):
-        response_with_speed(
-            Method("linear").system_of(body), sine(), np.ones(1), np.ones(1)
-        )
 
 
 def test_a_spectra_file_keeps_the_restraints(tmp_path):

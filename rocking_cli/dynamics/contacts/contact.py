@@ -151,11 +151,11 @@ class Contact(ABC):
         """
         return sequence_ends(segments, lanes, equation, self.other_side(lanes))
 
-    def sequence_time(self, lanes: Lanes, weight: Array | float = 1.0) -> Array:
+    def sequence_time(self, segments: Segments, lanes: Lanes) -> Array:
         """How long the sequence of impacts lasts [tau of the side] if drive and weight
         stay as they are now; 0 if it does not end.
         """
-        return sequence_time(lanes, self.other_side(lanes), weight)
+        return sequence_time(segments, lanes, self.other_side(lanes))
 
     def free_motion(
         self, equation: Equation, lanes: Lanes, at: Array, y: Array, v: Array

@@ -43,7 +43,7 @@ def sequence_ends(
     lanes: Lanes,
     equation: Equation,
     there: OtherSide | None,
-    more: float = 0.0,
+    more: Array | float = 0.0,
 ) -> Array:
     """Return True for lanes that are proved to come to rest by a sequence of impacts
     before any other event, without an arc higher than their peak so far (Lemma 7 of
@@ -73,8 +73,9 @@ def sequence_ends(
     at = at[shortest < room * (1.0 - speed_ratio[at]) * -lanes.force[at]]
     if at.size:
         others = None if there is None else there.take(at)
+        raised = np.broadcast_to(more, v.shape)[at]
         proved[at] |= _ends(
-            segments, lanes.take(at), equation, others, speed_ratio[at], more
+            segments, lanes.take(at), equation, others, speed_ratio[at], raised
         )
     return proved
 
@@ -208,7 +209,7 @@ def _ends(
     equation: Equation,
     there: OtherSide | None,
     speed_ratio: Array,
-    more: float,
+    more: Array,
 ) -> Array:
     """As `sequence_ends`, for lanes whose sequence may be short enough."""
     v = lanes.v
@@ -278,25 +279,17 @@ def forces_at_ground(
     )
 
 
-def sequence_time(
-    lanes: Lanes, there: OtherSide | None, weight: Array | float = 1.0
-) -> Array:
-    """Duration [tau] of the sequence of arcs under a constant drive and weight; 0 if it
-    does not end.
+def sequence_time(segments: Segments, lanes: Lanes, there: OtherSide | None) -> Array:
+    """Duration [tau] of the sequence of arcs under the present drive and weight; 0 if
+    it does not end.
     """
     # A geometric series: an arc with initial speed v under the constant force f lasts
     # 2 v/f, and each cycle keeps q of the speed.
+    here, other = forces_at_ground(segments, lanes, there)
     if there is None:
-        return 2.0 * lanes.v / (1.0 - lanes.eta) / -lanes.force
-    drive, speed_ratio = weight + lanes.force, there.eta * there.back
+        return 2.0 * lanes.v / (1.0 - lanes.eta) / here
+    speed_ratio = there.eta * there.back
     ends = (lanes.v > 0.0) & (speed_ratio < 1.0)
-    total = (
-        2.0
-        * lanes.v
-        / (1.0 - speed_ratio)
-        * (
-            1.0 / (weight - drive)
-            + there.eta * there.time / (weight + there.drive * drive)
-        )
-    )
+    total = 2.0 * lanes.v / (1.0 - speed_ratio)
+    total = total * (1.0 / here + there.eta * there.time / other)
     return np.where(ends, total, 0.0)

@@ -132,6 +132,12 @@ class Equation(ABC):
         `Recurrence`.
         """
 
+    def held(
+        self, y: Series, lift: Series, push: Series | None, new: Callable[[], Series]
+    ) -> Callable[[int], Any] | None:
+        """Return None: nothing holds a free body (`Recurrence`)."""
+        return None
+
     def room(self, y: float) -> float:
         """The distance from y up to which F and G `along` a motion from y hold."""
         return math.inf

@@ -1,10 +1,11 @@
 """The Taylor terms of a motion, one after the other.
 
-Every equation is y'' = -w F(y) + a G(y) - 2 zeta y' (`equation`, where F and G are
-called l and m), with the outward drive a and the weight w over m g. In powers of the
-time over a unit the terms of y are
+Every equation is y'' = -w F(y) + a G(y) - H(y) - 2 zeta y' (`equation`, where F and G
+are called l and m), with the outward drive a, the weight w over m g and the moment H of
+ties and a tendon. In powers of the time over a unit the terms of y are
 
-    Y_(n+2) = unit^2/((n + 1)(n + 2)) [(a G)_n - (w F)_n] - 2 zeta unit Y_(n+1)/(n + 2)
+    Y_(n+2) = unit^2/((n + 1)(n + 2)) [(a G)_n - (w F)_n - H_n]
+              - 2 zeta unit Y_(n+1)/(n + 2)
 
 The same code serves one body (a series is a list of floats), a scan (a list of arrays)
 and a sweep (`TermRows`, where a product of two series is one call).
@@ -40,6 +41,16 @@ class Recurrence(Protocol):
         y: terms of the motion; new: returns an empty series. G is None where it is 1.
         The caller calls the function for n = 1, 2 ..., when the terms 0 to n of y are
         known.
+        """
+
+    def held(
+        self, y: Series, lift: Series, push: Series | None, new: Callable[[], Series]
+    ) -> Callable[[int], Any] | None:
+        """Return a function that returns term n of H along a motion, None where it is
+        0; lift, push: F and G, as of `along`.
+
+        The caller calls the function for n = 0, 1 ..., when the terms 0 to n of y, F
+        and G are known.
         """
 
     def part(self, lanes: slice) -> Self:
@@ -155,6 +166,7 @@ def motion_terms(
     motion.append(y)
     motion.append(v * unit)
     lift, push, extend = equation.along(motion, new)
+    held = equation.held(motion, lift, push, new)
     drag = 2.0 * equation.damping / unit if equation.damping else None
     line = type(motion) is list and len(drive) == 2
     for n, factor in enumerate(factors):
@@ -170,6 +182,8 @@ def motion_terms(
         else:
             own = product_term(drive, push)
             own -= weighed
+        if held is not None:
+            own = own - held(n)
         if n == 0 and force is not None:
             own = known(force, own)
         if drag is not None:

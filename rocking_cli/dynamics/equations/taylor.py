@@ -362,6 +362,12 @@ def line_flow(
     """Return the series of lanes under straight lines, each to the end of its line or
     for `LONGEST`; growth: as of `degrees`.
     """
+    drive = line_drive(segments, lanes)
+    return line_series(equation, lanes.y, lanes.v, drive, lanes.force, growth)
+
+
+def line_drive(segments: Segments, lanes: Lanes) -> Drive:
+    """Return the drive of lanes on the rest of their straight line."""
     outward = -lanes.side * lanes.amplitude
     slope = outward * segments.slope[lanes.segment]
     start = outward * segments.s_start[lanes.segment] + slope * lanes.phase
@@ -382,7 +388,7 @@ def line_flow(
                 heavier,
             )
         )
-    return line_series(equation, lanes.y, lanes.v, drive, lanes.force, growth)
+    return drive
 
 
 def line_series(

@@ -347,12 +347,7 @@ class _March(MarchState):
         rest = 0.0
         if self.listener is not None:
             lanes = self._lanes()
-            lasts = self.contact.sequence_time(
-                lanes,
-                self.segments.weight(
-                    lanes.side, lanes.amplitude, lanes.segment, lanes.phase
-                ),
-            )
+            lasts = self.contact.sequence_time(self.segments, lanes)
             pace = self.edge.omega / float(self.lane.omega[0])
             rest = self.lane.tau(self.segment, self.phase) + float(lasts[0]) * pace
         self.ending = 0.0

@@ -225,7 +225,7 @@ class ReferenceBody:
         outcome, peak = self.still()
         return (
             (Outcome.LOST_CONTACT, math.nan)
-            if outcome == Outcome.ROCKED and self.contact_lost
+            if outcome in (Outcome.ROCKED, Outcome.LEANING) and self.contact_lost
             else (outcome, peak)
         )
 
@@ -256,7 +256,7 @@ class ReferenceBody:
             signal = (
                 piece
                 if self.up is None
-                else plus(piece, self.up.scaled(side * edge.uplift))
+                else plus(piece, self.up.scaled(side * self.problem.edges[side].uplift))
             )
             phase = next_uplift(
                 signal, self.omega * self.time, -side * self.drive / edge.uplift
@@ -321,8 +321,10 @@ class ReferenceBody:
         self.w = -eta * (there.w + miss * force)
         push = self.drive * value(piece, self.omega * self.time)
         weight = self.weight(self.time)
+        # Under a weight that varies the edge lifts by so much more or less.
         lifted = any(
-            -side * push >= edge.uplift * weight for side, edge in self.edges.items()
+            -side * push - edge.uplift >= self.problem.edges[side].uplift * (weight - 1)
+            for side, edge in self.edges.items()
         )
         if self.w <= 0.0 or (self.w < _AT_REST and not lifted and eta < 1.0):
             self.side, self.w = 0, 0.0

@@ -241,7 +241,7 @@ class _TiedBody(ReferenceBody):
         return rates
 
     def pressure(self, at: StatePoint) -> float:
-        return 1.0 + self.held.downwards(self.side, at.theta)
+        return self.weight(at.time) + self.held.downwards(self.side, at.theta)
 
     def cut(self, flow: EdgeMotion, found: Path) -> Path:
         return self.held.cut(self.side, flow, found)

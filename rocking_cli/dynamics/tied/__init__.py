@@ -4,7 +4,9 @@ the branches of its force-elongation law.
 A device is a tie on one side, or the tendon. A lane is one cell in arrays, (lanes,), at
 the displacement y >= 0 on its side, with v = dy/dtau, tau = p t, at the phase u since
 the start of segment k of the motion. The drive a is the ground acceleration over its
-value at uplift of the free body, positive outward.
+value at uplift of the free body, positive outward. Under a vertical motion the weight
+varies (`weighed_drive`); restraints raise what the net drive must exceed to lift the
+body, and a body from which the ground falls away has lost contact, whatever holds it.
 
     devices     the restraints in the units of an equation: forces, thresholds, the
                 coefficients of a branch

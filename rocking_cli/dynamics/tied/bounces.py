@@ -86,8 +86,11 @@ class Bounces:
             )
             falls |= (whole & (soft | (x < -0.4 * h))).any(axis=0)
         free.peak[:] = np.minimum(free.peak, lowest)
+        # The drive goes up to that at uplift, which is larger than of the free body.
+        held = self.uplift_ratios(lanes).max(axis=0)
+        gain = self.equation.on(lanes.side).gain * (held - 1.0)
         return ~falls & sequence_ends(
-            self.segments, free, self.equation, there, self._levers
+            self.segments, free, self.equation, there, self._levers + gain
         )
 
     def free(self, lanes: TiedLanes) -> tuple[TiedLanes, OtherSide | None]:
@@ -102,11 +105,9 @@ class Bounces:
         seg, k = self.segments, np.minimum(lanes.segment, len(self.segments) - 1)
         amplitude = lanes.amplitude / ratio
         # Force at the ground in the new unit: outward drive - 1.
-        b = (
-            -lanes.side
-            * amplitude
-            * (seg.s_start[k] + segment_value(seg, k, lanes.phase)[0])
-            - 1.0
+        s = seg.s_start[k] + segment_value(seg, k, lanes.phase)[0]
+        b = seg.force_at_impact(
+            lanes.side, amplitude, k, lanes.phase, -lanes.side * amplitude * s - 1.0
         )
         if there is not None:
             # The other side has its own restraints, and so its own unit.
@@ -139,6 +140,11 @@ class Bounces:
         if body is None or not lanes.cell.size:
             return kept
         bounds = sequence_bounds(self.segments, *self.free(lanes))
+        now, later = (
+            self.segments.weight(lanes.side, lanes.amplitude, lanes.segment, u)
+            for u in (lanes.phase, bounds.later)
+        )
+        lightest = np.minimum(now, later)
         ratio, lane = self.uplift_ratios(lanes), np.arange(lanes.cell.size)
         for i, sense in enumerate((1.0,) if body.one_sided else (1.0, -1.0)):
             side = sense * lanes.side
@@ -152,7 +158,7 @@ class Bounces:
             stretched = devices.largest_pull(row, branch, plastic, top) - devices.pull(
                 row, branch, plastic
             )
-            weight = 1.0 + devices.press(row, branch, plastic) * np.cos(
+            weight = lightest + devices.press(row, branch, plastic) * np.cos(
                 0.5 * edge.unit * top
             )
             inward = edge.unit * (unit * bounds.most[i] + stretched)
@@ -164,4 +170,4 @@ class Bounces:
 
     def time(self, lanes: TiedLanes) -> Array:
         """The time [tau] that the bounces of lanes after an impact take, (lanes,)."""
-        return sequence_time(*self.free(lanes))
+        return sequence_time(self.segments, *self.free(lanes))

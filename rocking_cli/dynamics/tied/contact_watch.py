@@ -1,17 +1,17 @@
 """Lost contact of tied bodies: where along a step of their march the vertical force Fz
 of the ground falls to zero.
 
-With u = |theta|, z = alpha - u and D the vertical force of a tendon on the body over m
-g,
+With u = |theta|, z = alpha - u, w the weight over m g and D the vertical force of a
+tendon on the body over m g,
 
-    Fz/(m g) = 1 + kappa (u'' sin z - u'^2 cos z) + D,    D = F cos(u/2)/(m g)
+    Fz/(m g) = w + kappa (u'' sin z - u'^2 cos z) + D,    D = F cos(u/2)/(m g)
 
 A tie pulls horizontally: it changes Fz by the acceleration alone. Between two instants
 h apart Fz does not leave its chord by more than h^2/8 times a bound of |Fz''|. With
 bounds V, B, J and Q of the first four derivatives of u (by tau), and F the largest
 force and k b the largest stiffness of the tendon,
 
-    |Fz''|/(m g) <= kappa [(Q + 6 V^2 B) |sin z| + 4 V J + 3 B^2 + V^4]
+    |Fz''|/(m g) <= |w''| + kappa [(Q + 6 V^2 B) |sin z| + 4 V J + 3 B^2 + V^4]
                     + [(F/4 + k b) V^2 + (F/2 + k b) B]/(m g)
 """
 
@@ -25,6 +25,8 @@ import numpy as np
 from ...arrays import Array
 from ...motions.blocks import blocks
 from ..body import Body, Edge, ground_reaction
+from ..drive import summed
+from ..equations.taylor import TaylorSeries, powers
 from ..lanes import Lanes
 from .devices import Branch, Devices
 from .series import Step
@@ -44,6 +46,7 @@ class Steps(NamedTuple):
     now: Branch  # the branches of the devices
     step: Step  # the motion
     reach: Array  # time from the start that the lane goes along the step [tau]
+    weight: TaylorSeries | None  # of the weight over m g along the steps, None for 1
 
 
 class WatchStretches(NamedTuple):
@@ -91,14 +94,14 @@ class ContactWatch:
 
     def fz(self, steps: Steps, at: Array, h: Array) -> Array:
         """Return Fz/(m g) of the lanes `at`, h [tau] after the start of their steps."""
-        lanes, row, now, step, _ = steps
+        lanes, row, now, step, _, of_weight = steps
         side, here = (
             self.body.on(lanes.side[at], lanes.cell[at]),
             step.arc.take(at).at(h),
         )
-        _, fz = ground_reaction(
-            side, side.unit * here.y, side.unit * here.v, side.unit * here.b, 0.0, 1.0
-        )
+        weight = 1.0 if of_weight is None else of_weight.take(at).at(h).y
+        u, v, b = (side.unit * x for x in (here.y, here.v, here.b))
+        _, fz = ground_reaction(side, u, v, b, 0.0, weight)
         return np.asarray(fz + self.devices.downwards(row[at], now.take(at), here.y))
 
     def first(self, steps: Steps, low: Array, high: Array) -> Array:
@@ -118,7 +121,8 @@ class ContactWatch:
             np.minimum(self._lean(edge, steps), 1.0) * step.largest_acceleration
             + edge.unit * step.fastest**2
         )
-        return np.asarray(edge.kappa * edge.unit * downwards < 1.0)
+        lightest, _ = _weight_bounds(steps)
+        return np.asarray(edge.kappa * edge.unit * downwards < lightest)
 
     def _lean(self, edge: Edge, steps: Steps) -> Array:
         """The largest |z| on each step [rad]."""
@@ -151,9 +155,9 @@ class ContactWatch:
         force, stiffness = self.devices.tendon_bounds(
             steps.row[at], steps.now.take(at), turned
         )
-        return np.asarray(
-            of_body + (0.25 * force + stiffness) * v * v + (0.5 * force + stiffness) * b
-        )
+        of_tendon = (0.25 * force + stiffness) * v * v + (0.5 * force + stiffness) * b
+        _, bends = _weight_bounds(steps)
+        return np.asarray(of_body + of_tendon + bends[at])
 
     def _stretches(self, steps: Steps, at: Array, parts: Array) -> WatchStretches:
         """Return the stretches between these parts of the steps of the lanes `at`, lane
@@ -202,6 +206,20 @@ class ContactWatch:
             )
         lost = at[np.isfinite(found[0, at])]
         return lost, found[:, lost]
+
+
+def _weight_bounds(steps: Steps) -> tuple[Array, Array]:
+    """(the least weight over m g, a bound of its second derivative) on each step."""
+    if steps.weight is None:
+        return np.ones(steps.reach.size), np.zeros(steps.reach.size)
+    w, n = steps.weight, np.arange(float(len(steps.weight.terms)))[:, None]
+    share = powers(steps.reach / w.unit, len(w.terms))
+    bends = n[2:] * (n[2:] - 1.0) * share[: len(w.terms) - 2] / w.unit**2
+    size = np.abs(w.terms)
+    return (
+        w.terms[0] - summed(size[1:] * share[1:]),
+        summed(size[2:] * bends),
+    )
 
 
 def _proved(stretches: WatchStretches, curvature: Array) -> Array:

@@ -163,6 +163,8 @@ class Devices:
                 turned = np.where(
                     self.tendon[:, None], 2.0 * np.arcsin(0.5 * e / h), turned
                 )
+        # e = 0 is the ground, whatever rounding makes of it
+        turned = np.where(e > 0.0, turned, np.minimum(turned, 0.0))
         return (
             np.where(np.isnan(turned), np.where(e > 0.0, np.inf, -np.inf), turned)
             / unit

@@ -4,9 +4,10 @@ its Taylor series and its first turn.
 With y = theta/sin(alpha) on the present side (the linear equation has no devices but
 springs, which add a constant and a stiffness),
 
-    y'' = -l(y) + a m(y) - M(theta)/(m g R sin(alpha))
+    y'' = -w l(y) + a m(y) - M(theta)/(m g R sin(alpha))
 
-where l and m are those of the free body and M is the moment of the devices.
+where l and m are those of the free body, w is the weight over m g and M the moment of
+the devices.
 """
 
 from __future__ import annotations
@@ -60,15 +61,29 @@ class Law:
         self.tolerance = equation.tolerance  # tolerance of y
         self.order = taylor.order_for(equation.tolerance)
 
-    def force(self, row: Array, now: Branch, side: Array, y: Array, a: Array) -> Array:
-        """y'' under the outward drive a, without damping, (lanes,)."""
-        return self.equation.on(side).force(y, a) - self.devices.pull_on(row, now).at(y)
+    def force(
+        self,
+        row: Array,
+        now: Branch,
+        side: Array,
+        y: Array,
+        a: Array,
+        weight: Array | float = 1.0,
+    ) -> Array:
+        """y'' under the outward drive a and the weight over m g, without damping,
+        (lanes,).
+        """
+        free = self.equation.on(side).force(y, a, weight)
+        return free - self.devices.pull_on(row, now).at(y)
 
-    def drive(self, segments: Segments, lanes: Lanes) -> Array:
-        """The outward drive of lanes at their present position."""
-        change = drive_change(segments, lanes.segment, lanes.phase)
-        s = segments.s_start[lanes.segment] + change
-        return -lanes.side * lanes.amplitude * s
+    def force_now(
+        self, segments: Segments, lanes: Lanes, row: Array, now: Branch
+    ) -> Array:
+        """`force` of lanes at their present position."""
+        side, k, u = lanes.side, lanes.segment, lanes.phase
+        s = segments.s_start[k] + drive_change(segments, k, u)
+        weight = segments.weight(side, lanes.amplitude, k, u)
+        return self.force(row, now, side, lanes.y, -side * lanes.amplitude * s, weight)
 
     def flow(
         self, segments: Segments, lanes: Lanes, row: Array, now: Branch, exact: Array
@@ -78,7 +93,7 @@ class Law:
         """
         held = HeldBody.of(self.equation.on(lanes.side), self.devices, row, now)
         lanes = Lanes.joined([lanes])
-        force = self.force(row, now, lanes.side, lanes.y, self.drive(segments, lanes))
+        force = self.force_now(segments, lanes, row, now)
         lanes.force = np.where(exact, 0.0, force)
         stiffness = self.devices.linear_terms(row, now)[1]
         if self.of_lines:
@@ -86,6 +101,20 @@ class Law:
         rate = 1.0 + np.sqrt(stiffness)
         terms, fastest = taylor.series_flow(held, segments, lanes, self.order, rate)
         return taylor.series(terms, fastest, self.tolerance, self.equation.damping)
+
+    def weight(self, segments: Segments, lanes: Lanes) -> TaylorSeries | None:
+        """The series of the weight over m g of lanes from now on; None where it is
+        constant.
+        """
+        if segments.weighed is None:
+            return None
+        if self.of_lines:
+            drive = taylor.line_drive(segments, lanes)
+        else:
+            drive, _ = taylor.drive_series(segments, lanes, self.order - 2)
+        assert drive.weight is not None
+        unit = drive.unit
+        return TaylorSeries(drive.weight.array[:, : unit.size], unit, unit, 1.0 / unit)
 
 
 def growth(stiffness: Array) -> Array:
@@ -266,16 +295,13 @@ class HeldBody:
         self, y: Series, new: NewSeries
     ) -> tuple[Series, Series | None, Callable[[int], None]]:
         """As `Equation.along`."""
-        free, push, extend = self.equation.along(y, new)
-        pulled = self.moment.along(y, free, push, new)
-        lift = new()
-        lift.append(free[0] + pulled(0))
+        return self.equation.along(y, new)
 
-        def extend_held(n: int) -> None:
-            extend(n)
-            lift.append(free[n] + pulled(n))
-
-        return lift, push, extend_held
+    def held(
+        self, y: Series, lift: Series, push: Series | None, new: NewSeries
+    ) -> Callable[[int], Any]:
+        """As of `Recurrence`."""
+        return self.moment.along(y, lift, push, new)
 
 
 def changed(numbers: Any, change: Callable[[Array], Any]) -> Any:

@@ -89,6 +89,10 @@ class CutStep(NamedTuple):
     down: Array  # True if y comes to its lower end; the ground is a lower end
     peaked: Array  # True if y has a peak in the step
 
+    def without(self, lanes: Array) -> CutStep:
+        """Return the steps, but that these lanes (True) do not move."""
+        return CutStep(*(np.where(lanes, np.zeros((), x.dtype), x) for x in self))
+
 
 class StepEnds(NamedTuple):
     """What happens at the ends of steps. Every array is (lanes,)."""
@@ -108,7 +112,9 @@ class Recorder(Protocol):
     until: float  # phase of the motion up to which the march is recorded [rad]
     visible: float  # speed |y'| down to which each bounce is recorded
 
-    def keep(self, lanes: Lanes, arc: TaylorSeries, reach: float, now: Branch) -> None:
+    def keep(
+        self, lanes: TiedLanes, arc: TaylorSeries, reach: float, now: Branch
+    ) -> None:
         """Record an arc that lasts `reach` [tau] from the state of the lanes, with the
         force law of the devices on it.
         """

@@ -40,23 +40,21 @@ from dataclasses import replace
 import numpy as np
 
 from ...arrays import Array
-from ...errors import UsageError
-from ...motions.motion import Motion
-from ..batch import MAX_STEPS
+from ..batch import Batch
 from ..condition import rows, through_impact
 from ..contacts.contact import OneSided
 from ..drive import place
 from ..equations.taylor import TaylorSeries
 from ..lanes import Cells, Lanes
+from ..observers.observer import Arcs, Observer
 from ..outcome import FALLEN, LOST, Outcome
-from ..system import System
 from .bounces import Bounces
 from .carried import carry_step, carry_through_break, keep_yield_error
 from .contact_watch import ContactWatch, Steps
 from .cuts import cut
-from .devices import Branch
+from .devices import Branch, Devices
 from .series import HeldBody, Law, Step, one_turn
-from .tied_lanes import Found, OnBranch, Recorder, StepEnds, TiedLanes, note
+from .tied_lanes import CutStep, Found, OnBranch, Recorder, StepEnds, TiedLanes, note
 from .transitions import Transitions
 from .whole_lines import LEAST_LINES, WholeLines
 
@@ -69,42 +67,30 @@ _TOUCH, _ROUNDING = 1e-2, 1e-13
 
 
 class March:
-    """The march of cells (A, Omega) of one body with ties or a tendon under a
-    motion; recorder: stores the history of a single cell; alone: True to march one cell
-    after the other, along records on floats. Raises UsageError for a motion with a
-    vertical part.
+    """The march of a batch of cells of one body with these devices; recorder: stores
+    the history of a single cell; alone: True to march one cell after the other, along
+    records on floats; speed: finds the largest speeds.
     """
 
     def __init__(
         self,
-        system: System,
-        motion: Motion,
-        amplitude: Array,
-        omega: Array,
+        devices: Devices,
+        batch: Batch,
         recorder: Recorder | None = None,
         alone: bool = False,
+        speed: Observer | None = None,
     ):
-        if motion.vertical is not None:
-            raise UsageError(
-                "found a vertical motion under a body with ties or a tendon; expected a"
-                " horizontal motion alone"
-            )
-        assert system.devices is not None
-        segments = motion.segments
-        self.equation = system.equation
-        self.contact = system.contact
-        self.devices = system.devices
-        self.cells = self.contact.cells(self.equation, amplitude, omega)
-        self.shaken, self.recorder = len(segments), recorder
-        # the motion, and still ground after it without an end
-        self.segments = segments.followed_by_rest(np.inf)
+        self.equation, self.contact = batch.equation, batch.contact
+        self.cells, self.segments = batch.cells, batch.segments
+        self.shaken, self.free_fall = batch.shaken, batch.free_fall
+        self.devices, self.recorder, self.speed = devices, recorder, speed
         self.one_sided = isinstance(self.contact, OneSided)
         # bits of `turned` to the second turn on a side, and all bits that it needs
         again = self.equation.damping and self.devices.body is not None
         self.again = 2 if again else 0
         self.every = (1 if self.one_sided else 3) << self.again
         sides = np.array([1.0, -1.0])
-        of_lines = segments.straight and self.shaken >= LEAST_LINES
+        of_lines = self.segments.straight and self.shaken >= LEAST_LINES
         self.law = Law(self.equation, self.devices, of_lines)
         # y at which a body has fallen, by the row of its side
         self.limit = np.minimum(
@@ -125,14 +111,14 @@ class March:
             )
         # the lines of a record, None under another motion
         self.lines = None
-        if of_lines:
+        if of_lines and self.segments.weighed is None and speed is None:
             self.lines = WholeLines(
                 self.equation, self.devices, self.segments, self.shaken, recorder
             )
         self.together = 1 if alone or recorder is not None else _TOGETHER
         self.touch = max(_ROUNDING, _TOUCH * self.equation.tolerance)
-        self.most = MAX_STEPS + 40 * self.shaken  # steps beyond which a lane fails
-        self.found = Found.empty((*self.devices.stiffness.shape, omega.size))
+        self.most = batch.most_steps  # steps beyond which a lane fails
+        self.found = Found.empty((*self.devices.stiffness.shape, batch.size))
 
     def run(self, release: float = 0.0) -> Found:
         """March all cells to their ends, from rest or released to the right from
@@ -223,11 +209,22 @@ class March:
             elif not ended[0]:
                 self._note(lanes, "uplift", lanes.y, lanes.v)
         lanes.rests[at] = False
-        return self._finish(
-            lanes,
-            at[ended],
-            np.full(lanes.cell.size, Outcome.NO_UPLIFT if first else Outcome.ROCKED),
-        )
+        outcome = np.zeros(lanes.cell.size, dtype=np.int64)
+        outcome[at[ended]] = Outcome.NO_UPLIFT if first else Outcome.ROCKED
+        if self.free_fall is not None:
+            outcome[at] = self._without_ground(lanes, outcome)[at]
+        return self._finish(lanes, np.flatnonzero(outcome), outcome)
+
+    def _without_ground(self, lanes: TiedLanes, outcome: Array) -> Array:
+        """The outcomes of all lanes, with those from which the ground has fallen away:
+        overturned if the rotation is at least `FALLEN`, otherwise lost contact.
+        """
+        if self.free_fall is None:
+            return outcome
+        falls = self.free_fall.has_begun(lanes)
+        over = self.equation.on(lanes.side).rotation(lanes.y) >= FALLEN
+        fallen = np.where(over, _overturned(lanes), Outcome.LOST_CONTACT)
+        return np.where(falls & (outcome == 0), fallen, outcome)
 
     def _branch(self, lanes: TiedLanes) -> OnBranch:
         """The branch of the devices of each lane."""
@@ -267,16 +264,24 @@ class March:
         lanes.steps += 1
         row, now, low, high = branch
         seg, k = self.segments, lanes.segment
-        joined = seg.joins[k]
-        left = self._time_left(lanes, joined)
+        left = whole = seg.left_of_piece(k, lanes.phase) / lanes.omega
+        if self.free_fall is not None:
+            left = np.minimum(whole, self.free_fall.time_left(lanes))
         if arc is None or lanes.exact[0]:
             arc = self.law.flow(seg, lanes, row, now, lanes.exact)
         step = one_turn(arc, left, self.law.of_lines)
         touch, through = self.touch * lanes.peak, self.recorder is None
         ended = cut(step, now, low, high, touch, through)
+        # A body that rounding alone lifts, at an extreme of the drive, does not move.
+        still = (lanes.y == 0.0) & (lanes.v == 0.0)
+        still &= ~np.isfinite(ended.reach + ended.v)
+        if still.any():
+            ended = ended.without(still)
         if self.recorder is not None:
             self.recorder.keep(lanes, step.arc, float(ended.reach[0]), now)
         self._watch_contact(lanes, row, now, step, ended.reach)
+        if self.speed is not None:
+            self._show(self.speed, lanes, step, ended)
         if self.recorder is None:
             held = HeldBody.of(self.equation.on(lanes.side), self.devices, row, now)
             carry_step(lanes, held, step, ended, touch)
@@ -284,12 +289,15 @@ class March:
         # The state and the position at the end; at the end of the closed form the next
         # one begins.
         at_end = ended.up | ended.down
-        whole = (ended.reach >= left) & ~at_end
+        over = (ended.reach >= whole) & ~at_end
         lanes.y, lanes.v = ended.y, ended.v
         lanes.segment, lanes.phase = place(
-            seg, k, np.where(whole, 0.0, lanes.phase + lanes.omega * ended.reach)
+            seg,
+            np.where(over, seg.after_piece(k), k),
+            np.where(over, 0.0, lanes.phase + lanes.omega * ended.reach),
         )
-        lanes.segment[whole] = (k + 1 + joined)[whole]
+        lanes.segment[still], lanes.phase[still] = k[still] + 1, 0.0
+        lanes.rests |= still
         lanes.exact[:] = False
         bottom = (ended.peaked | (ended.v == 0.0)) & ~ended.peaked & ~at_end
         ends = StepEnds(
@@ -297,14 +305,14 @@ class March:
         )
         return self._events(lanes, row, now, high, ends)
 
-    def _time_left(self, lanes: TiedLanes, joined: Array) -> Array:
-        """The time [tau] to the end of the closed form of the motion: of the segment,
-        and of the next one where they are `joined`.
-        """
-        seg, k = self.segments, lanes.segment
-        following = seg.length[np.minimum(k + 1, self.shaken)]
-        rest = seg.length[k] - lanes.phase
-        return (rest + np.where(joined, following, 0.0)) / lanes.omega
+    def _show(
+        self, speed: Observer, lanes: TiedLanes, step: Step, ended: CutStep
+    ) -> None:
+        """Show the steps to the observer of the largest speed."""
+        arc, reach, y, v = step.arc, ended.reach, ended.y, ended.v
+        force = arc.at(reach).b + 2.0 * self.equation.damping * v
+        every = np.arange(reach.size)
+        speed.arcs(Arcs(lanes, arc, reach, y, v, force, every, step.fastest))
 
     def _watch_contact(
         self, lanes: TiedLanes, row: Array, now: Branch, step: Step, reach: Array
@@ -314,7 +322,8 @@ class March:
         """
         if self.watch is None:
             return
-        steps = Steps(lanes, row, now, step, reach)
+        weight = self.law.weight(self.segments, lanes)
+        steps = Steps(lanes, row, now, step, reach, weight)
         lost, around = self.watch.losses(steps, lanes.lost)
         lanes.lost[lost] = True
         if self.recorder is not None and lost.size:
@@ -375,18 +384,11 @@ class March:
         if impacts.size:
             ended = self._apply_impacts(lanes, impacts, row)
         # The outcome, 0 while it is open. Later lines outweigh earlier ones.
-        outcome = np.where(
-            falls,
-            np.where(
-                lanes.bounced,
-                Outcome.OVERTURNED_AFTER_IMPACT,
-                Outcome.OVERTURNED_NO_IMPACT,
-            ),
-            0,
-        )
+        outcome = np.where(falls, _overturned(lanes), 0)
         outcome = np.where(
             leans, Outcome.LEANING, np.where(ended, Outcome.ROCKED, outcome)
         )
+        outcome = self._without_ground(lanes, outcome)
         outcome = np.where(failed, Outcome.FAILED, outcome)
         if self.recorder is not None and outcome[0] in (
             Outcome.LEANING,
@@ -413,18 +415,21 @@ class March:
         side, k = lanes.side[at], np.minimum(lanes.segment[at], len(self.segments) - 1)
         inward = self.segments.strongest_inward(side, lanes.amplitude[at], k)
         # Lemma 6. Linear: the devices are too soft for y'' to fall as y grows. It is
-        # positive under the strongest inward drive. Otherwise the lemma of the free
-        # body, if no device pulls any more.
+        # positive under the strongest inward drive and the least weight. Otherwise the
+        # lemma of the free body, if no device pulls any more.
+        weighed = self.segments.weighed
         if self.devices.linear:
-            there = Branch(*(x[..., at] for x in now))
-            soft = self.devices.linear_terms(row[at], there)[1] <= 1.0
-            falls[at] = soft & (
-                self.law.force(row[at], there, side, lanes.y[at], -inward) > 0.0
-            )
+            there, weight = now.take(at), np.ones(at.size)
+            if weighed is not None:
+                weight = weighed.least_weight(side, lanes.amplitude[at], k)
+            soft = self.devices.linear_terms(row[at], there)[1] <= weight
+            y, drive = lanes.y[at], -inward * weight
+            force = self.law.force(row[at], there, side, y, drive, weight)
+            falls[at] = soft & (force > 0.0)
         else:
             free = ~(now.fixed[:, at].any(axis=0) | now.rate[:, at].any(axis=0))
             falls[at] = free & self.equation.on(side).certainly_overturns(
-                lanes.y[at], lanes.v[at], inward
+                lanes.y[at], lanes.v[at], inward, weighed is None
             )
         return falls
 
@@ -479,8 +484,7 @@ class March:
     def _acceleration(self, lanes: TiedLanes) -> Array:
         """y'' of lanes at their present position."""
         row, now, _, _ = self._branch(lanes)
-        drive = self.law.drive(self.segments, lanes)
-        force = self.law.force(row, now, lanes.side, lanes.y, drive)
+        force = self.law.force_now(self.segments, lanes, row, now)
         return force - 2.0 * self.equation.damping * lanes.v
 
     def _finish(self, lanes: TiedLanes, at: Array, outcome: Array) -> TiedLanes:
@@ -498,9 +502,29 @@ class March:
             outcome[at], (Outcome.NO_UPLIFT, Outcome.ROCKED, Outcome.LEANING)
         )
         ratio = self.equation.on(lanes.side[at]).rotation(lanes.peak[at])
-        found.theta_ratio[cell] = np.where(known & ~lanes.lost[at], ratio, np.nan)
-        found.outcome[cell[known & lanes.lost[at]]] = Outcome.LOST_CONTACT
+        lost = lanes.lost[at]
+        if self.free_fall is not None:
+            lost = lost | self.free_fall.occurs[cell]
+        found.theta_ratio[cell] = np.where(known & ~lost, ratio, np.nan)
+        found.outcome[cell[known & lost]] = Outcome.LOST_CONTACT
+        if found.outcome[cell[0]] == Outcome.LOST_CONTACT and not lanes.lost[at[0]]:
+            self._note_free_fall(lanes)
         self.transitions.keep_yield(lanes, at, row)
         for name in ("branch", "plastic", "farthest"):
             getattr(found, name)[..., cell] = getattr(lanes, name)[..., at]
         return lanes.take(np.delete(np.arange(lanes.cell.size), at))
+
+    def _note_free_fall(self, lanes: TiedLanes) -> None:
+        """Note the instant at which the ground falls away from a body that is
+        recorded.
+        """
+        fall = self.free_fall
+        assert fall is not None
+        there = replace(lanes, segment=fall.segment, phase=fall.phase)
+        self._note(there, LOST, lanes.y, lanes.v)
+
+
+def _overturned(lanes: TiedLanes) -> Array:
+    """The outcome of each lane if it overturns."""
+    after, before = Outcome.OVERTURNED_AFTER_IMPACT, Outcome.OVERTURNED_NO_IMPACT
+    return np.where(lanes.bounced, after, before)

@@ -13,11 +13,11 @@ from oracles.tied_body import Device, TiedBody, wall
 from scipy.integrate import solve_ivp
 from support.bodies import shaking
 from support.documents import built
+from support.tied_march import marched as march_of
 
 from rocking_cli import (
     Method,
     Outcome,
-    UsageError,
     check,
     parse_grid,
     pulse,
@@ -29,7 +29,6 @@ from rocking_cli.dynamics.drive import drive_change
 from rocking_cli.dynamics.method import LINEAR
 from rocking_cli.dynamics.tied.bounces import Bounces
 from rocking_cli.dynamics.tied.devices import BROKEN
-from rocking_cli.dynamics.tied.tied_march import March
 from rocking_cli.motions.polyline import Polyline
 from rocking_cli.reports.remarks import devices_in_words
 from rocking_cli.responses.history import history
@@ -51,7 +50,7 @@ def marched(text, motion, a_g, period, method=EXACT, damping=""):
         body.dimensionless_amplitude(a_g * G),
         2 * math.pi / period / body.p,
     )
-    return body, March(system, motion, *(np.array([x]) for x in cells)).run()
+    return body, march_of(system, motion, *(np.array([x]) for x in cells))
 
 
 @pytest.mark.parametrize(
@@ -588,12 +587,8 @@ def test_a_body_that_a_tie_presses_to_the_ground_comes_to_rest_at_once():
     system = EXACT.system_of(
         built(WALL.replace("true", "false") + TIE % ", yield: 20 kN, side: right")
     ).with_restitution(0.9)
-    found = March(
-        system,
-        sine(),
-        np.array([1.0886, 1.0770]),
-        np.array([9.9814, 10.7059]),
-    ).run()
+    cells = np.array([1.0886, 1.0770]), np.array([9.9814, 10.7059])
+    found = march_of(system, sine(), *cells)
     assert found.steps.max() < 150
 
 
@@ -642,11 +637,11 @@ def test_bouncing_that_makes_the_tie_of_the_other_side_yield_is_not_summed(monke
         system.least_uplift(sine()) * np.array([1.29, 1.42]),
         np.array([6.3, 9.1]),
     )
-    summed = March(system, sine(), *cells).run()
+    summed = march_of(system, sine(), *cells)
     monkeypatch.setattr(
         Bounces, "end", lambda self, lanes: np.zeros(lanes.cell.size, dtype=bool)
     )
-    marched = March(system, sine(), *cells).run()
+    marched = march_of(system, sine(), *cells)
     assert (summed.plastic[1] > 0.0).all()
     np.testing.assert_allclose(summed.plastic, marched.plastic, rtol=1e-9)
     np.testing.assert_allclose(summed.theta_ratio, marched.theta_ratio, rtol=1e-9)
@@ -690,21 +685,6 @@ def test_check_says_that_a_yielding_tie_never_breaks(a_g, tie, told):
         verdict.devices, verdict.first_overturning_a, verdict.first_overturning_a_free
     )
     assert any("tie 1 never breaks in this model" in line for line in said) is told
-
-
-def test_a_vertical_motion_is_refused():
-    from rocking_cli.motions.biaxial import with_vertical
-
-    body = built(WALL + YIELDING)
-    motion = with_vertical(sine(), sine(), 0.5)
-    with pytest.raises(
-        UsageError,
-        match=(
-            "found a vertical motion under a body with ties or a tendon; expected a"
-            " horizontal motion alone"
-        ),
-    ):
-        response(EXACT.system_of(body), motion, 3.0, 4.0, body.eta)
 
 
 def test_the_ground_is_lost_where_another_integration_says():

@@ -9,13 +9,13 @@ import numpy as np
 import pytest
 from support.documents import built
 from support.synthetic_records import motion_of_samples
+from support.tied_march import marched
 
 from rocking_cli import Method, Outcome, safe
 from rocking_cli.dynamics.equations.recurrence import motion_terms
 from rocking_cli.dynamics.tied import tied_march
 from rocking_cli.dynamics.tied.devices import ELASTIC
 from rocking_cli.dynamics.tied.series import HeldBody
-from rocking_cli.dynamics.tied.tied_march import March
 
 STEP = 0.02  # s
 BLOCK = "kind: block\nwidth: 0.6\nheight: 3\nmass: 5000\n"
@@ -47,9 +47,9 @@ def test_bodies_end_as_without_whole_lines(name, monkeypatch):
     system, ones = Method("nonlinear").system_of(body), np.ones(4)
     amplitude = system.least_uplift(motion) * np.geomspace(0.99, 4.0, ones.size)
     cells = amplitude, ones / body.p
-    many, alone = (March(system, motion, *cells, alone=x).run() for x in (False, True))
+    many, alone = (marched(system, motion, *cells, alone=x) for x in (False, True))
     monkeypatch.setattr(tied_march, "LEAST_LINES", 1 << 30)
-    found = March(system, motion, *cells).run()
+    found = marched(system, motion, *cells)
     assert {Outcome.NO_UPLIFT, Outcome.ROCKED} <= set(found.outcome.tolist())
     stands = safe(found.outcome)
     for other in (many, alone):

@@ -416,7 +416,7 @@ REFUSED = {
         (
             "{height: 5, stiffness: 1}\nfriction: 0.6",
             (
-                "friction: found friction of a body with ties, whose ground forces are"
+                "friction: found friction of a body with ties, whose sliding is"
                 " not computed"
             ),
         ),
