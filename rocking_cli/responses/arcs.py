@@ -69,14 +69,14 @@ class Event(NamedTuple):
     device: str = ""  # the tie or tendon, "" without one
 
 
-class Pull(NamedTuple):
-    """The forces of ties and a tendon on a body over m g."""
+class Resultant(NamedTuple):
+    """The resultant of ties and a tendon on a body over m g."""
 
     inward: Any  # against the side on which the body is, at rest against +x [-]
     down: Any  # [-]
 
 
-FREE = Pull(0.0, 0.0)  # nothing pulls
+FREE = Resultant(0.0, 0.0)  # nothing pulls
 
 
 class DeviceForces(NamedTuple):
@@ -93,7 +93,7 @@ class DeviceForces(NamedTuple):
     # (sides, devices, times)
     held: Array
 
-    def pull(self, tau: Array, y: Array) -> Pull:
+    def pull(self, tau: Array, y: Array) -> Resultant:
         """Return what pulls at displacements y of moving bodies, by the laws at times
         tau, both (n,).
         """
@@ -104,9 +104,9 @@ class DeviceForces(NamedTuple):
         tendon = devices.tendon[:, None]
         across = np.where(tendon, np.sin(half), 1.0) * force
         down = np.where(tendon, np.cos(half), 0.0) * force
-        return Pull(*(x.sum(axis=0) / devices.weight for x in (across, down)))
+        return Resultant(*(x.sum(axis=0) / devices.weight for x in (across, down)))
 
-    def at_ground(self, tau: Array, side: float | None = None) -> Pull:
+    def at_ground(self, tau: Array, side: float | None = None) -> Resultant:
         """Return what pulls at times tau on a body that has just left the ground onto a
         side, None: on one that rests, which the ties of either side pull.
         """
@@ -116,7 +116,7 @@ class DeviceForces(NamedTuple):
         if side is None and len(across) > 1:
             inward = across[0] - across[1]
         down = held[row, self.devices.tendon].sum(axis=0)
-        return Pull(inward / self.devices.weight, down / self.devices.weight)
+        return Resultant(inward / self.devices.weight, down / self.devices.weight)
 
     def holds(self, tau: Array, side: float) -> Array:
         """Return the restoring acceleration -y'' that the devices add at times tau to a

@@ -13,7 +13,7 @@ import numpy as np
 from ..arrays import Array
 from ..dynamics.outcome import Outcome
 from ..structures.mechanics.measured import Measured
-from .arcs import FREE, LATE, Event, Pull
+from .arcs import FREE, LATE, Event, Resultant
 from .chebyshev import Extent, extent, first_below
 from .force_history import ForceHistory
 from .ground_forces import (
@@ -162,7 +162,9 @@ class ContactForces(ForceHistory):
         for _, rests, lifts in self.rests():
             pull = FREE
             if held is not None:
-                pull = Pull(*(float(x[0]) for x in held.at_ground(np.array([rests]))))
+                pull = Resultant(
+                    *(float(x[0]) for x in held.at_ground(np.array([rests])))
+                )
             for weight, ratio in (
                 self.ground.extents(rests, lifts, *pull) if lifts > rests else ()
             ):

@@ -17,7 +17,7 @@ from ..dynamics.equations.equation import Equation, Instant
 from ..motions.blocks import blocks
 from ..structures.mechanics.measured import Measured
 from ..structures.parameters import RockingParameters
-from .arcs import FREE, Event, History, Pull
+from .arcs import FREE, Event, History, Resultant
 from .chebyshev import extent
 from .ground_history import GroundMotion
 
@@ -46,7 +46,7 @@ class Instants(NamedTuple):
     point: Instant  # y and its derivatives in the unit of the side
     across: Array  # xg''/g, (n,)
     up: Array  # zg''/g, (n,)
-    pull: Pull  # of ties and a tendon, (n,) each
+    pull: Resultant  # of ties and a tendon, (n,) each
 
 
 @dataclass(frozen=True)

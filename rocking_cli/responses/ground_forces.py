@@ -37,7 +37,7 @@ from ..dynamics.body import ground_reaction
 from ..errors import UsageError
 from ..structures.mechanics.measured import Measured, ratio_of
 from ..structures.parameters import RockingParameters
-from .arcs import FREE, Pull
+from .arcs import FREE, Resultant
 from .force_history import Instants
 
 
@@ -115,7 +115,7 @@ def body_forces(
     acceleration: Array,
     ground: Array,
     vertical: Array,
-    pull: Pull = FREE,
+    pull: Resultant = FREE,
 ) -> Forces:
     """Return the forces over m g on one side, +1 or -1, whose edge has these numbers: u
     = |theta| [rad], its first and second derivative by tau = p t of the side, the

@@ -83,12 +83,7 @@ def advance(
     """Move each lane by one step, or to the impact in it, if there is one. until: the
     longest step [tau] that other events allow.
     """
-    if equation.has_exact_flow(segments):
-        from .exact import advance_exactly
-
-        return advance_exactly(segments, lanes, until)
     arc = equation.flow(segments, lanes)
-    assert isinstance(arc, TaylorSeries)
     left = segments.left_of_piece(lanes.segment, lanes.phase) / lanes.omega
     h, terms, one = one_turn_step(arc, np.minimum(left, until), segments.straight)
     end = arc.point(terms, h)

@@ -188,7 +188,12 @@ class Run:
         lanes.steps += 1
         until = np.inf if batch.free_fall is None else batch.free_fall.time_left(lanes)
         equation = batch.equation.on(lanes.side, lanes.cell)
-        step = advance(seg, lanes, equation, until)
+        if equation.has_exact_flow(seg):
+            from .exact import advance_exactly
+
+            step = advance_exactly(seg, lanes, until)
+        else:
+            step = advance(seg, lanes, equation, until)
         self.work.impacts += int(np.count_nonzero(step.hit))
         self.work.steps += step.hit.size
 
