@@ -265,8 +265,8 @@ def code_tokens(file: Path) -> int:
 @pytest.mark.parametrize(
     ("arguments", "most"),
     [
-        ("check configs/block.yaml --a-g 0.35g --f-g 1.5", 136_000),
-        ("spectrum --eta 0.9 --grid A=1:2:2,Omega=1:2:2 -q -o OUT", 100_000),
+        ("check configs/block.yaml --a-g 0.35g --f-g 1.5", 138_000),
+        ("spectrum --eta 0.9 --grid A=1:2:2,Omega=1:2:2 -q -o OUT", 101_000),
     ],
     ids=["check", "spectrum"],
 )
