@@ -17,6 +17,7 @@ from rocking_cli import (
     load_structures,
     parse_grid,
     parse_variation,
+    pulse,
     read_documents,
     read_record,
     sine,
@@ -37,7 +38,7 @@ STATED = load_structures("configs/parameters.yaml")[0]  # whose equation is quic
 RIGHT = {
     "structure": STATED,
     "structures": [STATED],
-    "motion": sine(),
+    "motion": pulse("rectangular"),  # the searches under which are short
     "shaking": parse_grid("a_g=0.3g,f_g=1"),
     "grid": parse_grid("a_g=1,f_g=1"),
     "system": None,
