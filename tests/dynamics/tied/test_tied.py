@@ -672,7 +672,7 @@ def test_the_change_of_the_capacity_names_its_restraints(names, first, words):
     ("a_g", "tie", "told"),
     [
         (0.3, YIELDING, True),  # elastic: it yields at the capacity of 1.34 g
-        (1.0, YIELDING, True),
+        pytest.param(1.0, YIELDING, True, marks=pytest.mark.soak),
         (0.3, TIE % ", yield: 20 kN, ultimate: 50 cm", False),
         (0.3, ELASTIC, False),
     ],
