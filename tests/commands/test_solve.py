@@ -320,6 +320,7 @@ def test_csv_states_the_unit_of_the_value(rocking, judged):
     assert pure.stdout.splitlines()[0] == "structure,key,value,side,capacity_demand"
 
 
+@pytest.mark.slow
 def test_a_body_that_slides_has_no_capacity_and_no_range_of_frequencies(rocking):
     """Below lambda, 0.25, the block slides, and nothing overturns it."""
     call = ("solve", "block:0.5x2", "--vary", "friction=0.2:0.3:2", "--a-g", "0.4g")
@@ -335,6 +336,7 @@ def test_a_body_that_slides_has_no_capacity_and_no_range_of_frequencies(rocking)
     )
 
 
+@pytest.mark.slow
 def test_what_stands_up_to_the_margin_is_what_has_the_capacity():
     """Outcomes up to the margin against the capacities of `check`, also of bodies with
     two sides, with one, and with a tie.

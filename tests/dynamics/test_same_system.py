@@ -122,6 +122,7 @@ FEW = np.array([(2.3, 4.5), (1.7, 5.2), (3.4, 6.0)]).T
 MANY = np.random.default_rng(5).uniform((1.0, 0.7), (4.0, 6.0), (100, 2)).T
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("cells", [FEW, pytest.param(MANY, marks=pytest.mark.soak)])
 @pytest.mark.parametrize("method", [LINEAR, NONLINEAR])
 def test_a_shared_march_answers_each_body_as_alone(method, cells):
@@ -141,6 +142,7 @@ def test_a_shared_march_answers_each_body_as_alone(method, cells):
 
 
 # of so few cells as tell apart all bodies that 15 cells tell apart
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("method", "grid"),
     [
@@ -172,6 +174,7 @@ def test_a_spectrum_has_each_body_as_alone(method, grid):
 
 
 # A body falls under the one pulse before its first impact.
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("motion", "fields"),
     [(pulse("rectangular"), None), (sine(), ("block", "unequal", "eta", "damping"))],

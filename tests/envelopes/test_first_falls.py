@@ -14,6 +14,7 @@ MOST = 1.4
 OMEGAS = np.array([1.5, 2.0])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("motion", [sine(), cosine(1)], ids=lambda m: m.name)
 def test_first_falls_are_those_of_an_envelope(motion):
     """Under one cycle, and under a motion that is scanned more finely."""

@@ -111,6 +111,7 @@ def test_cells_lie_in_the_traced_intervals_and_shares_are_those_of_the_cells(
     assert [np.isfinite(r) for r in first] == [bool(mine) for mine in intervals]
 
 
+@pytest.mark.slow
 def test_no_interval_depends_on_what_is_searched_together():
     bodies = [
         built("kind: block\nwidth: 0.25\nheight: 1.2\nrestitution: 0.9"),

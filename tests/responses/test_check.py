@@ -146,6 +146,7 @@ def test_forces_under_a_record_are_those_of_its_history(a_g, falls, at_lambda):
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("width", "step", "a_g", "falls"),
     [(0.5, 2e-4, 4.0, False), (0.5, 5e-4, 14.0, True), (8.0, 1e-3, 6.0, False)],

@@ -75,6 +75,7 @@ def test_the_share_that_falls(text, grid, exact):
     assert found.share == pytest.approx(exact, abs=0.004)
 
 
+@pytest.mark.slow
 def test_two_windows_of_the_restitution_are_seen():
     """It falls for eta from 0.93182 to 0.93566 and above 0.93760 (independent
     program)."""
@@ -127,6 +128,7 @@ def test_a_draw_has_the_verdict_that_it_has_alone(text):
         assert amplitude == pytest.approx(alone.first_overturning_a, rel=2e-6)
 
 
+@pytest.mark.slow
 def test_a_first_overturning_under_a_record_is_rounded_down():
     """Between two steps of 1 % there may be several overturning intervals."""
     motion = rk.read_motion("configs/motions/synthetic.at2")

@@ -180,6 +180,7 @@ def a_sweep():
     return spectrum_of(scene, SweepOptions(workers=1, check=4))
 
 
+@pytest.mark.slow
 def test_a_sweep_tells_a_fault_of_its_march(monkeypatch):
     """A peak gets the height at the start of its step."""
     right = a_sweep()

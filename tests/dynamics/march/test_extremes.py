@@ -259,6 +259,7 @@ def test_uplift_on_the_edge_of_a_piece():
     assert linear_response(cosine(), 1.0, 2.0, 0.5).outcome == Outcome.NO_UPLIFT
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("amplitude", [1.5, pytest.param(12.0, marks=pytest.mark.soak)])
 def test_an_arch_at_the_edge_of_stability(amplitude):
     """One rocks and one overturns."""

@@ -165,6 +165,7 @@ def test_a_portal_whose_directions_differ():
         assert own == pytest.approx(PORTAL[name], abs=6e-10)
 
 
+@pytest.mark.slow
 def test_a_side_may_be_measured_by_another_body():
     # eta of one side then exceeds 1; the motion and the product of both stay
     one, other = portal(), portal(coordinate="left", other_coordinate="right")
