@@ -22,7 +22,11 @@ from importlib import import_module
 from types import FunctionType, ModuleType
 from typing import Any
 
+from . import showing
+
 __version__ = "0.2.0"
+
+showing.WRITERS.append(lambda: import_module(f"{__name__}.reports.tables"))
 
 
 @cache

@@ -4,8 +4,8 @@ rows of pandas.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from typing import TYPE_CHECKING, Any, Protocol
 
 from .plugins import require
 
@@ -13,6 +13,21 @@ if TYPE_CHECKING:
     import pandas
 
 _MOST_LINES = 14  # below the name of the class
+
+
+class RowWriter(Protocol):
+    """What writes rows: `reports.tables`."""
+
+    def lines(self, rows: Iterable[Mapping[str, Any]], form: str, /) -> Iterator[str]:
+        """Yield the lines of rows in a form, such as "table"."""
+
+    def shown_cells(self, row: Mapping[str, Any], /) -> Iterator[tuple[str, str]]:
+        """Yield (heading with unit, text) of the columns that have a value."""
+
+
+# Returns what writes rows. The package adds it: results stand below reports, and a
+# program that shows none does not load them.
+WRITERS: list[Callable[[], RowWriter]] = []
 
 
 class Shown:
@@ -27,9 +42,7 @@ class Shown:
         return [self._shown()]
 
     def __repr__(self) -> str:
-        from .reports.tables import lines
-
-        shown = list(lines([self._shown()], "table"))
+        shown = list(WRITERS[0]().lines([self._shown()], "table"))
         left = len(shown) - _MOST_LINES
         if left > 0:
             shown[_MOST_LINES - 1 :] = [f"and {left + 1} more lines"]
@@ -52,11 +65,9 @@ def html_table(title: str, row: Mapping[str, Any]) -> str:
     """Return a table in HTML with a line for each quantity that has a value."""
     from html import escape
 
-    from .reports.tables import shown_cells
-
     lines = "".join(
         f"<tr><th style='text-align:left'>{escape(heading)}</th>"
         f"<td style='text-align:left'>{escape(text)}</td></tr>"
-        for heading, text in shown_cells(row)
+        for heading, text in WRITERS[0]().shown_cells(row)
     )
     return f"<table><caption>{escape(title)}</caption>{lines}</table>"

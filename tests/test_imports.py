@@ -1,4 +1,6 @@
-"""Files of the rooms that compute import each other in one direction only."""
+"""Files of the rooms that compute import each other in one direction only, and no room
+imports from one below it.
+"""
 
 import ast
 from collections.abc import Iterator
@@ -7,6 +9,7 @@ from pathlib import Path
 import rocking_cli
 
 PACKAGE = Path(rocking_cli.__file__).parent
+FIRST = ("documents", "structures", "motions")
 ROOMS = ("dynamics", "envelopes", "responses", "spectra", "fragility", "reports")
 
 
@@ -41,3 +44,17 @@ def test_no_file_imports_itself_by_way_of_others():
         for name in free:
             del takes[name]
     assert {".".join(name) for name in takes} == set()
+
+
+def test_no_room_imports_from_a_room_below_it():
+    """In the order of `.github/CONTRIBUTING.md`; single files import from no room."""
+    order = (*FIRST, *ROOMS, "commands")
+    upwards = [
+        (file.relative_to(PACKAGE).as_posix(), ".".join(module))
+        for file in PACKAGE.rglob("*.py")
+        if (name := file.relative_to(PACKAGE).parts)[0] not in ("__main__.py", "_alias")
+        for module in imported(ast.parse(file.read_text("utf-8")), name[:-1])
+        if module
+        and module[0] in order[order.index(name[0]) + 1 if name[0] in order else 0 :]
+    ]
+    assert upwards == []
