@@ -55,8 +55,8 @@ def accuracy(
     independent reference (`rocking help accuracy`).
     """
     from ..motions.grid import parse_grid
+    from ..reports.remarks import stuck_in_words
     from ..reports.work_precision import work_precision
-    from ..responses.sliding import stuck_in_words
     from ..spectra.scene import PulseScene
 
     motion = motions.one().motion

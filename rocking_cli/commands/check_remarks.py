@@ -43,7 +43,7 @@ def remarks(verdicts: list[Verdict], *, of_means: bool = False) -> list[str]:
     lines += sliding_remarks(verdicts, named)
     for v in verdicts:
         if v.devices:
-            from ..reports.remarks import devices_in_words
+            from ..reports.device_words import devices_in_words
 
             of_devices = devices_in_words(
                 v.devices, v.first_overturning_a, v.first_overturning_a_free

@@ -37,10 +37,9 @@ def compare(
     restitution the linear curves coincide (Fig. 8). --model both compares the equations
     (Fig. 7): peaks, and quarter periods of free rocking from 0.3, 0.6 and 0.9 alpha.
     """
-    from ..dynamics.method import direction_in_words
     from ..errors import StructureError
+    from ..reports.remarks import direction_in_words, stuck_in_words
     from ..responses import comparison
-    from ..responses.sliding import stuck_in_words
 
     figure.check()
     shaken = shaking.of(motions.one())

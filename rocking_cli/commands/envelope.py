@@ -135,7 +135,7 @@ def envelope(
         varied=varied,
     )
     figure.draw(drawn)
-    from ..responses.sliding import stuck_in_words
+    from ..reports.remarks import stuck_in_words
 
     lines = model.in_words(methods, structures, axis.name == "Omega")
     lines += stuck_in_words(structures)
@@ -254,8 +254,7 @@ def _of_records(
     """
     from ..envelopes.capacity import RATIO
     from ..envelopes.intervals import INTERVAL_KEYS, NAMED, NONE
-    from ..reports.remarks import model_in_words
-    from ..responses.sliding import stuck_in_words
+    from ..reports.remarks import model_in_words, stuck_in_words
     from ..spectra.record_envelope import Tracing, overturning_spectrum, tracing_rows
     from ..spectra.record_scene import scene_of_words
 

@@ -69,7 +69,7 @@ def fragility(
     PGA, PGV, PGD, Arias, CAV, SA(T) and AvgSA(T) of records, nPGA = PGA/(lambda g),
     nPGV = p PGV/(g tan alpha) and nPGD = p^2 PGD/(g tan alpha).
     """
-    from ..dynamics.method import direction_in_words
+    from ..reports.remarks import direction_in_words
     from .fragility_rows import emit_cells, emit_efficiency
 
     files, shaken = motions.several(files)
@@ -267,8 +267,8 @@ def _fit_and_print(
     """Fit the curves, write the file of --export and print the rows; return (a sentence
     on each limit state without a fit, remarks).
     """
-    from ..dynamics.method import direction_in_words
     from ..fragility.study import fitted
+    from ..reports.remarks import direction_in_words
     from .fragility_rows import draw_fits, emit_fits
 
     fits, refused = fitted(found, request.states, request.methods)

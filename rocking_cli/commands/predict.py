@@ -40,9 +40,9 @@ def predict(
     value in the spectrum, empty next to cells that overturn; interpolation_error is its
     distance from the computed value.
     """
-    from ..dynamics.method import direction_in_words, has_direction
+    from ..dynamics.method import has_direction
     from ..dynamics.outcome import Outcome
-    from ..responses.sliding import stuck_in_words
+    from ..reports.remarks import direction_in_words, stuck_in_words
     from ..spectra.file.reader import SpectraFile
     from ..spectra.prediction import check_linear, predict_exactly
     from ..spectra.prediction import predict as read_off

@@ -137,7 +137,7 @@ def response(
     note(*model.in_words(methods, structures, bare))
     note(*response_in_words(found, forces=wanted.forces))
     if wanted.release:
-        from ..responses.sliding import stuck_in_words
+        from ..reports.remarks import stuck_in_words
 
         note(*stuck_in_words(structures))
     partly(found.failed)

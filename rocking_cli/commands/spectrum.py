@@ -90,7 +90,7 @@ def spectrum(
     as 2 pi/p in s. For a family of structures: rocking params FILE --vary
     KEY=START:STOP:N --json.
     """
-    from ..dynamics.method import direction_in_words
+    from ..reports.remarks import direction_in_words
     from ..reports.summary import summary_lines
     from ..spectra.file.partial_file import check_output
     from ..spectra.sweep import CHUNK_CELLS, SweepOptions, write_scene

@@ -390,27 +390,6 @@ def has_direction(structure: RockingParameters) -> bool:
     )
 
 
-def direction_in_words(
-    *structures: RockingParameters,
-    opposite: str = "the other sign of `scale` (1 if not given)",
-) -> list[str]:
-    """Return the lines for a run that computes one direction of the motion only: one
-    that names the structures for which the opposite direction may have another result,
-    none without such a structure. opposite: the option that computes the other
-    direction.
-    """
-    names = [s.name for s in structures if has_direction(s)]
-    some = f"{', '.join(names[:3])}{' and others' * (len(names) > 3)}"
-    return (
-        [
-            f"one direction of the motion only, though the sides differ: {some};"
-            f" {opposite} gives the opposite one"
-        ]
-        if names
-        else []
-    )
-
-
 def contact_of(structure: RockingParameters, equation: Equation) -> Contact:
     """The contact of a structure under an equation."""
     if structure.one_sided:

@@ -35,6 +35,7 @@ from ..spectra.results import Spectrum
 from ..spectra.sweep import SweepOptions, spectrum
 from ..structures import RockingParameters
 from ..structures.kinds import sketch_of
+from .device_words import devices_in_words
 from .figures.canvas import FIGURE_UNITS, Figure, Look, drawn_as, place, styled
 from .figures.capacities import capacity_curve
 from .figures.drawing import structure_axes
@@ -42,7 +43,6 @@ from .figures.fragility_curves import fragility_curves
 from .figures.maps import outcome_map
 from .figures.memory import memory_file
 from .figures.shares import shares
-from .remarks import devices_in_words
 from .wording import draws_in_words, parameter_rows
 
 SIDE = 60  # values on each axis of a map, whose cells are printed 1 mm wide

@@ -1,8 +1,12 @@
-"""Remarks on results: the model of a run, what the linear equation misjudges, ties."""
+"""Remarks on results: the model and the direction of a run, what the linear equation
+misjudges, bases that slide.
+"""
 
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterable
+from typing import TYPE_CHECKING
 
-from ..dynamics.method import LINEAR, Method, geometry_known
+from ..dynamics.method import LINEAR, Method, geometry_known, has_direction
+from ..structures.friction import sliders
 from ..structures.parameters import RockingParameters
 
 if TYPE_CHECKING:
@@ -56,35 +60,35 @@ def misjudged_in_words(
     )
 
 
-def devices_in_words(
-    devices: tuple[dict[str, Any], ...], first: float | None, free: float | None
+def direction_in_words(
+    *structures: RockingParameters,
+    opposite: str = "the other sign of `scale` (1 if not given)",
 ) -> list[str]:
-    """Return a sentence for each row of `device_rows`, one that compares first, the
-    lowest overturning amplitude, with free, that without these devices, and one on
-    devices that yield and never break.
+    """Return the lines for a run that computes one direction of the motion only: one
+    that names the structures for which the opposite direction may have another result,
+    none without such a structure. opposite: the option that computes the other
+    direction.
     """
-    lines = [one["words"] for one in devices]
-    if first is not None and free is not None:
-        change = 100.0 * (first / free - 1.0)
-        tendon, ties = (
-            any((one["device"] == "tendon") is held for one in devices)
-            for held in (True, False)
-        )
-        name, without = (
-            ("ties and tendon", "them")
-            if ties and tendon
-            else ("ties", "them")
-            if ties
-            else ("tendon", "it")
-        )
-        verb = ("add" if change >= 0.0 else "take") + "s" * (name == "tendon")
-        lines.append(
-            f"its {name} {verb} {abs(change):.3g} % of the capacity without {without}"
-        )
-    if endless := [one["device"] for one in devices if one.get("endless")]:
-        lines.append(
-            f"without `ultimate`, {' and '.join(endless)} never"
-            f" {'breaks' if len(endless) == 1 else 'break'} in this model, however far"
-            " stretched beyond yield"
-        )
-    return lines
+    names = [s.name for s in structures if has_direction(s)]
+    some = f"{', '.join(names[:3])}{' and others' * (len(names) > 3)}"
+    return (
+        [
+            f"one direction of the motion only, though the sides differ: {some};"
+            f" {opposite} gives the opposite one"
+        ]
+        if names
+        else []
+    )
+
+
+def stuck_in_words(structures: Iterable[RockingParameters]) -> list[str]:
+    """Return the line for a result that holds for bases that do not slide; none if no
+    structure slides instead.
+    """
+    if not (names := [s.name for s in sliders(structures)]):
+        return []
+    more = " and others" * (len(names) > 3)
+    return [
+        "the base is taken not to slide, though by its friction, which is below lambda,"
+        f" it slides and never rocks: {', '.join(names[:3])}{more}; see rocking check"
+    ]

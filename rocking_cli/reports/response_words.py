@@ -8,6 +8,7 @@ from ..errors import UsageError
 from ..responses.contact_forces import ContactForces
 from ..responses.force_history import ForceHistory
 from ..responses.time_history import TimeHistory
+from .device_words import device_in_words
 
 
 def response_in_words(found: TimeHistory, *, forces: bool = False) -> Iterator[str]:
@@ -34,7 +35,7 @@ def response_in_words(found: TimeHistory, *, forces: bool = False) -> Iterator[s
             text += f"; still rocking at {own.end / s.p:.4g} s"
         if outcome.overturned:
             text += _loss_in_words(found, model)
-        text += "".join(f"; {device['words']}" for device in own.devices)
+        text += "".join(f"; {device_in_words(device)}" for device in own.devices)
         if forces:
             text += f"; {forces_in_words(found.forces[model])}"
         yield f"{s.name}, {model}: {text}"

@@ -25,7 +25,6 @@ from ..structures.friction import (
     covers_sliding,
     friction_that_slides,
     least_lambda,
-    sliders,
 )
 from ..structures.given import Structure, structure_from
 from ..structures.parameters import RockingParameters
@@ -438,16 +437,3 @@ def parse_slide(place: str, text: str, wanted: str) -> float:
             " unit, such as slide=50mm"
         )
     return value
-
-
-def stuck_in_words(structures: Iterable[RockingParameters]) -> list[str]:
-    """Return the line for a result that holds for bases that do not slide; none if no
-    structure slides instead.
-    """
-    if not (names := [s.name for s in sliders(structures)]):
-        return []
-    more = " and others" * (len(names) > 3)
-    return [
-        "the base is taken not to slide, though by its friction, which is below lambda,"
-        f" it slides and never rocks: {', '.join(names[:3])}{more}; see rocking check"
-    ]

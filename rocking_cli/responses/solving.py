@@ -5,7 +5,7 @@ margin.
 import itertools
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass
 from decimal import ROUND_CEILING, ROUND_FLOOR, Context, Decimal
 from itertools import islice, pairwise
 from pathlib import Path
@@ -15,7 +15,7 @@ import numpy as np
 
 from ..digits import rounded_down
 from ..documents.document import Document
-from ..dynamics.method import direction_in_words
+from ..dynamics.method import has_direction
 from ..dynamics.outcome import Outcome
 from ..envelopes.amplitudes import Limit
 from ..envelopes.capacity import falls_may_be_narrow
@@ -483,9 +483,12 @@ class _BoundarySearch:
                 "with a friction below lambda it slides, never rocks, and counts as"
                 " standing however far it slides; rocking check tells how far"
             )
-        for one in () if self.opposite else structures:
-            named = replace(one, name=self._own_name(one))
-            self.remarks.extend(direction_in_words(named, opposite="the other `sign`"))
+        self.remarks.extend(
+            "one direction of the motion only, though the sides differ:"
+            f" {self._own_name(one)}; the other `sign` gives the opposite one"
+            for one in (() if self.opposite else structures)
+            if has_direction(one)
+        )
         demands = [
             (one, *shake)
             for shake in (*self.shakes, *self.opposite)

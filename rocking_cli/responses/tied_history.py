@@ -175,10 +175,10 @@ def _march(
 def device_rows(system: System, march: March) -> list[dict[str, Any]]:
     """Return a row for each tie and the tendon of the first cell. device: its name;
     force: its largest force [N]; tie_force: force over its yield, without one over its
-    force at rupture [-], None without both; tie_elongation, permanent: its largest and
-    its permanent elongation [m]; state: elastic, yielded or broken; endless: True if it
-    has yielded and no elongation breaks it; words: the row as a sentence. A tie of both
-    sides acts as two; its row has the larger numbers and the
+    force at rupture [-], None without both; limit: which of these, "yield" or
+    "rupture"; tie_elongation, permanent: its largest and its permanent elongation [m];
+    state: elastic, yielded or broken; endless: True if it has yielded and no elongation
+    breaks it. A tie of both sides acts as two; its row has the larger numbers and the
     worse state.
     """
     devices, found = system.devices, march.found
@@ -207,6 +207,7 @@ def device_rows(system: System, march: March) -> list[dict[str, Any]]:
             "device": name,
             "force": largest,
             "tie_force": largest / limit if np.isfinite(limit) else None,
+            "limit": word,
             "tie_elongation": float(max(found.farthest[row, i, 0] for row in on)),
             "permanent": float(max(found.plastic[row, i, 0] for row in on)),
             "state": STATES[
@@ -218,7 +219,7 @@ def device_rows(system: System, march: March) -> list[dict[str, Any]]:
         }
         never_breaks = bool(np.isinf(devices.ultimate[at]))
         row["endless"] = row["state"] == "yielded" and never_breaks
-        table.append({**row, "words": _in_words(row, word)})
+        table.append(row)
     return table
 
 
@@ -264,28 +265,3 @@ def columns_of(devices: tuple[dict[str, Any], ...]) -> dict[str, Any]:
         **most,
         "tie_state": max((one["state"] for one in devices), key=STATES.index),
     }
-
-
-def _in_words(device: dict[str, Any], limit: str) -> str:
-    """Return the text of a row of `device_rows`; limit: to what tie_force refers."""
-    share = (
-        ""
-        if device["tie_force"] is None
-        else f" ({device['tie_force']:.4g} of its {limit})"
-    )
-    if not device["tie_elongation"]:
-        prestress = (
-            f", at its prestress of {device['force']:.6g} N{share}"
-            if device["force"]
-            else ""
-        )
-        return f"{device['device']} {device['state']}, not stretched{prestress}"
-    left = (
-        f", {1e3 * device['permanent']:.4g} mm of them permanent"
-        if device["permanent"]
-        else ""
-    )
-    return (
-        f"{device['device']} {device['state']}, up to {device['force']:.6g} N{share}"
-        f" and {1e3 * device['tie_elongation']:.4g} mm{left}"
-    )

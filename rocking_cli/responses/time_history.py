@@ -499,7 +499,7 @@ class TimeHistory(Shown):
                     {
                         key: x
                         for key, x in one.items()
-                        if key not in ("words", "endless")
+                        if key not in ("limit", "endless")
                     }
                     for one in found.devices
                 ]

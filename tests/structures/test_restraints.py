@@ -23,6 +23,7 @@ from rocking_cli import (
 )
 from rocking_cli.envelopes.intervals import check_curves, frequency_axis
 from rocking_cli.errors import DocumentError, UsageError
+from rocking_cli.reports.device_words import device_in_words
 from rocking_cli.responses.solving import boundaries
 from rocking_cli.spectra.file.reader import SpectraFile
 from rocking_cli.structures import RockingParameters
@@ -274,7 +275,7 @@ def test_a_force_without_a_yield_is_told_over_that_at_rupture():
             built(held + text), sine(), parse_grid("a_g=0.35g,f_g=1"), a_max=None
         ).devices
         assert 0.0 < device["tie_force"] == device["force"] / rupture < 1.0
-        assert " of its rupture)" in device["words"]
+        assert " of its rupture)" in device_in_words(device)
 
 
 def test_dampers_are_a_damping():

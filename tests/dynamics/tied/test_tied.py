@@ -30,7 +30,7 @@ from rocking_cli.dynamics.method import LINEAR
 from rocking_cli.dynamics.tied.bounces import Bounces
 from rocking_cli.dynamics.tied.devices import BROKEN
 from rocking_cli.motions.polyline import Polyline
-from rocking_cli.reports.remarks import devices_in_words
+from rocking_cli.reports.device_words import devices_in_words
 from rocking_cli.responses.history import history
 
 WALL = "kind: wall\nthickness: 0.6 m\nheight: 6 m\none_sided: true\nmass: 7200 kg\n"
@@ -647,6 +647,9 @@ def test_bouncing_that_makes_the_tie_of_the_other_side_yield_is_not_summed(monke
     np.testing.assert_allclose(summed.theta_ratio, marched.theta_ratio, rtol=1e-9)
 
 
+AT_REST = {"tie_force": None, "tie_elongation": 0.0, "force": 0.0, "state": "elastic"}
+
+
 @pytest.mark.parametrize(
     ("names", "first", "words"),
     [
@@ -662,7 +665,7 @@ def test_bouncing_that_makes_the_tie_of_the_other_side_yield_is_not_summed(monke
 def test_the_change_of_the_capacity_names_its_restraints(names, first, words):
     assert (
         devices_in_words(
-            tuple({"device": name, "words": ""} for name in names), first, 2.0
+            tuple({"device": name, **AT_REST} for name in names), first, 2.0
         )[-1]
         == words
     )
