@@ -185,11 +185,11 @@ def response(
             f" {' or '.join(WAYS)}{did_you_mean(how, WAYS)}"
         )
     if system.devices is not None:
-        from .tied.tied_march import March
+        from .tied.tied_march import TiedMarch
 
         batch = _batch(system, motion, cells, peaks)
         alone = how == "floats" and cells[0].size <= few(system, batch.shaken)
-        march = March(system.devices, batch, alone=alone)
+        march = TiedMarch(system.devices, batch, alone=alone)
         return _response(march.run(), shape, peaks)
     if how == "floats":
         return _one_by_one(system, motion, cells, shape, peaks)
@@ -403,9 +403,9 @@ def response_with_speed(
     speed = PeakSpeed(batch)
     run: Run | Found
     if system.devices is not None:
-        from .tied.tied_march import March
+        from .tied.tied_march import TiedMarch
 
-        run = March(system.devices, batch, speed=speed).run()
+        run = TiedMarch(system.devices, batch, speed=speed).run()
     else:
         run = _marched(system, motion, cells, batch, speed)
     return _response(run, shape), np.where(

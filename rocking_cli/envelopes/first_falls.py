@@ -21,7 +21,7 @@ from .changes import Brackets, narrowed
 
 # function of rows and their amplitudes, (cells,) each: (codes of `Outcome`, numbers of
 # impacts)
-March = Callable[[Array, Array], tuple[Array, Array]]
+RowMarch = Callable[[Array, Array], tuple[Array, Array]]
 
 # cells of a climb that are computed together: in its first stretch, and at most; each
 # stretch has twice as many as the one before
@@ -80,7 +80,7 @@ def _offset(n: Array) -> Array:
 
 
 def lowest_falls(
-    march: March,
+    march: RowMarch,
     climb: Climb,
     digits: Array | float = np.inf,
     *,

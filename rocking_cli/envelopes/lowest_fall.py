@@ -156,17 +156,18 @@ class FallSearch:
             )
 
     def lowest(
-        self, begin: float, found: float, ratio: float = _FINE, near: float = _NEAR
+        self, begin: float, seen: float, ratio: float = _FINE, near: float = _NEAR
     ) -> float | None:
-        """The lowest fall from `begin` to `found`, at which a body seems to fall; None
-        if the march finds none. It searches amplitudes at this ratio from near^2 times
-        `found` on (`near` times, if the march has found it), then from `near` times
-        each new fall on.
+        """The lowest fall from `begin` to the amplitude `seen`, at which a body seems
+        to fall; None if the march finds none. It searches a window of amplitudes at
+        this ratio below `seen`, from near^2 times it on (if the march has seen it, from
+        just below near times it), and then windows below each fall that it finds, from
+        near times the fall on.
         """
         first = near * (1.0 - 2.0 * COARSE if self.by_march else near)
-        low, high, lowest = max(begin, first * found), found, None
+        low, high, lowest = max(begin, first * seen), seen, None
         while low < high:
-            # Runs of neighbouring falls, from below. At first `found` counts as one.
+            # Runs of neighbouring falls, from below. At first `seen` counts as one.
             amplitude = _scan_amplitudes(low, high, ratio)
             falling = self.approximate_falls(amplitude)
             falling[-1] |= lowest is None
@@ -211,12 +212,11 @@ class FallSearch:
             else float(amplitude[0])
         )
 
-    def lowest_and_share(self, begin: float, found: float) -> tuple[float, float]:
-        """(the lowest fall from `begin` to the known fall `found`, `share_of_falls`
-        above it). If this share is not 0, it finds intervals 5e-6 of the amplitude
-        wide.
+    def lowest_and_share(self, begin: float, fall: float) -> tuple[float, float]:
+        """(the lowest fall from `begin` to the known one `fall`, `share_of_falls` above
+        it). If this share is not 0, it finds intervals 5e-6 of the amplitude wide.
         """
-        first = self.lowest(begin, found) or found
+        first = self.lowest(begin, fall) or fall
         share_of_falls = self.share_of_falls(first)
         return (
             self.lowest(begin, first, _FINEST, _NEAREST) or first

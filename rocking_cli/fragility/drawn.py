@@ -13,7 +13,7 @@ from ..envelopes.together import Together
 from ..errors import UsageError
 from ..structures.draws import Draw, draws
 from ..structures.parameters import RockingParameters
-from .exposure import MotionSet, Progress
+from .exposure import MotionSet, StudyProgress
 from .fitted_curve import SlideLimit
 from .measures import MotionMember
 
@@ -54,7 +54,7 @@ def drawn_exposure(
     motions: MotionSet,
     n: int,
     seed: int,
-    progress: Progress | None = None,
+    progress: StudyProgress | None = None,
 ) -> DrawnExposure:
     """Return the responses of draws of a structure.
 

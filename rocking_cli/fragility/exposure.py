@@ -33,7 +33,7 @@ from .measures import MotionMember
 
 Range = tuple[float, float]
 Pair = tuple[int, int]  # indices of a structure and a motion
-Progress = Callable[[float, int], None]
+StudyProgress = Callable[[float, int], None]
 
 _TOGETHER = 24  # searches that share a scan, at most
 _LAST = 0.01  # of a search, which counts when it has come from its process
@@ -266,7 +266,7 @@ def traced(
     structures: Sequence[RockingParameters],
     motions: MotionSet,
     workers: int | None = None,
-    progress: Progress | None = None,
+    progress: StudyProgress | None = None,
 ) -> list[list[list[Range]]]:
     """Return for each structure and motion the intervals of the measure (SI) that
     overturn the structure, up to the highest level; the end of one that goes on beyond

@@ -27,8 +27,8 @@ from .estimates import Estimate, cloud, first_overturning, stripes
 from .exposure import (
     Exposure,
     MotionSet,
-    Progress,
     Range,
+    StudyProgress,
     as_recorded,
     exposures,
     first_of,
@@ -420,7 +420,7 @@ def studies(
     path: Path | None = None,
     exact: bool = False,
     hazard: HazardCurve | None = None,
-    line: Callable[[str, str], Progress | None] = lambda name, unit: None,
+    line: Callable[[str, str], StudyProgress | None] = lambda name, unit: None,
     draws: tuple[int, int] | None = None,
 ) -> Iterator[Study]:
     """Yield each structure under a set of motions; sweep, path: as of `exposures`;

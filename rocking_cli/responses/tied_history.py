@@ -15,7 +15,7 @@ from ..dynamics.outcome import LOST, Outcome
 from ..dynamics.system import System
 from ..dynamics.tied.devices import BROKEN, YIELDING, Branch
 from ..dynamics.tied.tied_lanes import TiedLanes
-from ..dynamics.tied.tied_march import March
+from ..dynamics.tied.tied_march import TiedMarch
 from ..motions.motion import Motion
 from .arcs import INVISIBLE, DeviceForces, History, Writer
 
@@ -28,7 +28,7 @@ class _TiedWriter(Writer):
     """
 
     visible = INVISIBLE
-    march: March  # the one that it listens to
+    march: TiedMarch  # the one that it listens to
 
     def __init__(self, system: System, until: float, omega: float) -> None:
         super().__init__(system.equation, omega)
@@ -164,15 +164,15 @@ def _march(
     amplitude: float,
     omega: float,
     recorder: _TiedWriter | None = None,
-) -> March:
+) -> TiedMarch:
     """Return the march of one body."""
     assert system.devices is not None
     a, w = np.array([amplitude]), np.array([omega])
     batch = Batch.of(system, system.segments(motion.coarsest), a, w)
-    return March(system.devices, batch, recorder)
+    return TiedMarch(system.devices, batch, recorder)
 
 
-def device_rows(system: System, march: March) -> list[dict[str, Any]]:
+def device_rows(system: System, march: TiedMarch) -> list[dict[str, Any]]:
     """Return a row for each tie and the tendon of the first cell. device: its name;
     force: its largest force [N]; tie_force: force over its yield, without one over its
     force at rupture [-], None without both; limit: which of these, "yield" or

@@ -49,8 +49,8 @@ class Steps(NamedTuple):
     weight: TaylorSeries | None  # of the weight over m g along the steps, None for 1
 
 
-class WatchStretches(NamedTuple):
-    """Parts of steps between two instants after their start, (stretches,)."""
+class StepParts(NamedTuple):
+    """Parts of steps between two instants after their start, (parts,)."""
 
     lane: Array  # index of the lane
     low: Array  # first instant [tau]
@@ -58,9 +58,9 @@ class WatchStretches(NamedTuple):
     fz_low: Array  # Fz/(m g) at the first instant [-]
     fz_high: Array  # Fz/(m g) at the last instant [-]
 
-    def take(self, at: Array) -> WatchStretches:
-        """Return these stretches only."""
-        return WatchStretches(*(x[at] for x in self))
+    def take(self, at: Array) -> StepParts:
+        """Return these parts only."""
+        return StepParts(*(x[at] for x in self))
 
 
 class ContactWatch:
@@ -83,7 +83,7 @@ class ContactWatch:
         if not at.size:
             return at, np.zeros((2, 0))
         curvature = self._largest_curvature(steps, at)
-        whole = self._stretches(steps, at, np.array([0.0, 1.0]))
+        whole = self._parts(steps, at, np.array([0.0, 1.0]))
         at, curvature = (x[~_proved(whole, curvature)] for x in (at, curvature))
         lost, found = [np.zeros(0, dtype=np.int64)], [np.zeros((2, 0))]
         for block in blocks(at.size, _TOGETHER):
@@ -159,29 +159,29 @@ class ContactWatch:
         _, bends = _weight_bounds(steps)
         return np.asarray(of_body + of_tendon + bends[at])
 
-    def _stretches(self, steps: Steps, at: Array, parts: Array) -> WatchStretches:
-        """Return the stretches between these parts of the steps of the lanes `at`, lane
+    def _parts(self, steps: Steps, at: Array, shares: Array) -> StepParts:
+        """Return the parts between these shares of the steps of the lanes `at`, lane
         by lane.
         """
-        h = steps.reach[at][:, None] * parts
-        lane = np.repeat(at, parts.size)
+        h = steps.reach[at][:, None] * shares
+        lane = np.repeat(at, shares.size)
         fz = self.fz(steps, lane, h.ravel()).reshape(h.shape) if at.size else h
-        each = np.repeat(at, parts.size - 1)
-        return WatchStretches(
+        each = np.repeat(at, shares.size - 1)
+        return StepParts(
             each, *(x.ravel() for x in (h[:, :-1], h[:, 1:], fz[:, :-1], fz[:, 1:]))
         )
 
     def _search(self, steps: Steps, at: Array, curvature: Array) -> tuple[Array, Array]:
-        """As `losses`, for the lanes `at`, on stretches that are halved until Fz > 0 is
-        proved or Fz <= 0 is found.
+        """As `losses`, for the lanes `at`, on parts of steps that are halved until Fz >
+        0 is proved or Fz <= 0 is found.
         """
         found = np.full((2, steps.reach.size), math.inf)
         bound = np.zeros(steps.reach.size)
         bound[at] = curvature
-        left = self._stretches(steps, at, _INSTANTS)
+        left = self._parts(steps, at, _INSTANTS)
         for _ in range(_HALVINGS):
             falls = np.flatnonzero((left.fz_low <= 0.0) | (left.fz_high <= 0.0))
-            # In reverse: the first stretch of a lane is stored last, and stays.
+            # In reverse: the first part of a lane is stored last, and stays.
             for i in falls[::-1].tolist():
                 found[:, left.lane[i]] = (
                     left.low[i],
@@ -200,7 +200,7 @@ class ContactWatch:
                 (left.low, middle, left.fz_low, fz),
                 (middle, left.high, fz, left.fz_high),
             )
-            left = WatchStretches(
+            left = StepParts(
                 np.repeat(left.lane, 2),
                 *(np.stack(pair, axis=1).ravel() for pair in zip(*halves, strict=True)),
             )
@@ -222,11 +222,11 @@ def _weight_bounds(steps: Steps) -> tuple[Array, Array]:
     )
 
 
-def _proved(stretches: WatchStretches, curvature: Array) -> Array:
+def _proved(these: StepParts, curvature: Array) -> Array:
     """True where the chord of Fz, less its error, is positive; curvature: a bound of
     |Fz''|/(m g).
     """
-    h = stretches.high - stretches.low
+    h = these.high - these.low
     return np.asarray(
-        np.minimum(stretches.fz_low, stretches.fz_high) > 0.125 * h * h * curvature
+        np.minimum(these.fz_low, these.fz_high) > 0.125 * h * h * curvature
     )

@@ -66,7 +66,7 @@ _TOGETHER = 8192  # lanes
 _TOUCH, _ROUNDING = 1e-2, 1e-13
 
 
-class March:
+class TiedMarch:
     """The march of a batch of cells of one body with these devices; recorder: stores
     the history of a single cell; alone: True to march one cell after the other, along
     records on floats; speed: finds the largest speeds.

@@ -152,7 +152,7 @@ def test_a_dip_between_two_steps_is_seen():
     )
 
 
-def test_the_limit_of_stretches_grows_with_the_motion(monkeypatch):
+def test_the_limit_of_spans_grows_with_the_motion(monkeypatch):
     """A record has a stretch or more a piece, however long it is."""
     monkeypatch.setattr(general_solver, "_MOST", 20)
     heights = np.random.default_rng(0).uniform(-1.0, 1.0, 101)
