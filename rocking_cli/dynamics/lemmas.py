@@ -177,7 +177,7 @@ Proof. Such an arc begins or ends at rest, at a peak. The work of the strongest 
 push and of the weight over the path between bounds the speed, and the speed bounds Fz
 from below (`body` has the formulas). Where this leaves the sign open, Fz >= min(its
 ends) - (h^2/8) max |Fz''| on parts of steps that are halved until the sign is
-settled. Bounces that Lemma 7 closes: let B be the largest -u'' at the ground on the
+settled. Bounces that Lemma 7 sums: let B be the largest -u'' at the ground on the
 way, V the largest speed and u_m the largest u. Then
 
     Fz/(m g) >= w_- - kappa [(B c + 2 zeta V) sin(alpha) + V^2 cos(alpha - u_m)],

@@ -34,7 +34,7 @@ class Response(NamedTuple):
         codes of `Outcome`, uint8
     impacts_at_least
         number of impacts that were computed, int32: a lower bound, since a proof may
-        end the computation of a cell, or close a sequence of impacts, at any time
+        end the computation of a cell, or sum a sequence of impacts, at any time
     condition
         by how much theta_ratio takes over an error of the state in every unit of tau
         [-], at least 1; NaN where theta_ratio is NaN or 0, and for bodies with ties

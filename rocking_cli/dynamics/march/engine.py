@@ -360,7 +360,7 @@ class Run:
         ends = batch.contact.sequence_ends(batch.segments, lanes, batch.equation)
         resting = np.flatnonzero(ends | (lanes.v < STILL))
         for observer in self.observers if resting.size else ():
-            resting = resting[observer.may_close(lanes.take(resting))]
+            resting = resting[observer.may_rest(lanes.take(resting))]
         if not resting.size:
             return lanes
         self.work.sequences_closed += int(ends[resting].sum())

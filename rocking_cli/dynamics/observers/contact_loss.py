@@ -6,7 +6,7 @@ A cell is marched once more, and then watched, if neither its ground acceleratio
 
 Along a step Fz stays above its chord less the chord error. A part of a step for which
 this does not prove Fz > 0 is halved; if Fz <= 0 at an end of a part, the body has lost
-the ground. A sequence of impacts is closed early only if Fz > 0 is proved for all its
+the ground. A sequence of impacts is summed only if Fz > 0 is proved for all its
 bounces.
 
 The chord error: with bounds V, B, J and Q of the first four derivatives of u = |theta|
@@ -247,7 +247,7 @@ class ContactLoss(Observer):
         # Fz does not depend on the push itself
         return Ends(u, v, b, ground_reaction(edge, u, v, b, 0.0, weight)[1])
 
-    def may_close(self, lanes: Lanes) -> Array:
+    def may_rest(self, lanes: Lanes) -> Array:
         """True for lanes whose bounces until they rest are proved to keep Fz > 0, and
         for lanes that have lost the ground (Lemma 13).
 
@@ -258,10 +258,10 @@ class ContactLoss(Observer):
         if some.cell.size:
             kept, lost = self._bouncing(some)
             self._lost[some.cell[lost]] = True
-            closes = np.ones(lanes.cell.size, dtype=bool)
-            closes[moving] = kept | (some.v < STILL)
-            return closes | self._lost[lanes.cell]
-        return super().may_close(lanes)
+            may = np.ones(lanes.cell.size, dtype=bool)
+            may[moving] = kept | (some.v < STILL)
+            return may | self._lost[lanes.cell]
+        return super().may_rest(lanes)
 
     def _bouncing(self, lanes: Lanes) -> tuple[Array, Array]:
         """(True where a sequence of impacts is proved to keep Fz > 0, True where Fz <=

@@ -35,7 +35,7 @@ class Observer:
     def arcs(self, arcs: Arcs) -> None:
         """Called when lanes have moved along these arcs."""
 
-    def may_close(self, lanes: Lanes) -> Array:
+    def may_rest(self, lanes: Lanes) -> Array:
         """True for lanes just after an impact, whose sequence of impacts ends in rest,
         that may be taken to rest at once, (lanes,).
         """

@@ -40,8 +40,8 @@ class _KeptArcs(Listener):
     ) -> None:
         self.arcs.append((reach, side, h, terms))
 
-    def may_close(self, lanes: Lanes) -> bool:
-        return bool(self.loss.may_close(lanes)[0])
+    def may_rest(self, lanes: Lanes) -> bool:
+        return bool(self.loss.may_rest(lanes)[0])
 
     def free(self, lanes: Lanes) -> None:
         self.loss.free(lanes)

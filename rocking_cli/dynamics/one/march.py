@@ -308,16 +308,16 @@ class _March(MarchState):
         """True if the bounces are proved to end in rest before any other event, and
         need not be shown (Lemma 7).
         """
-        if self.v >= STILL and not self._may_rest(edge, fall):
+        if self.v >= STILL and not self._slow_enough(edge, fall):
             return False
         lanes = self._lanes()
         ends = (
             self.v < STILL
             or self.contact.sequence_ends(self.segments, lanes, self.equation)[0]
         )
-        return bool(ends) and (self.listener is None or self.listener.may_close(lanes))
+        return bool(ends) and (self.listener is None or self.listener.may_rest(lanes))
 
-    def _may_rest(self, edge: LaneEdge, fall: float) -> bool:
+    def _slow_enough(self, edge: LaneEdge, fall: float) -> bool:
         """The part of the test of Lemma 7 that needs no arrays: False if the lemma
         cannot prove that the bounces end in this segment.
         """

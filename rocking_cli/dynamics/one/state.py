@@ -54,7 +54,7 @@ class Listener:
     def note(self, tau: float, event: str, side: float, y: float, v: float) -> None:
         """Called with each event."""
 
-    def may_close(self, lanes: Lanes) -> bool:
+    def may_rest(self, lanes: Lanes) -> bool:
         """False where the body must bounce on instead of resting at once."""
         return True
 

@@ -304,7 +304,7 @@ def test_a_sweep_counts_bodies_that_one_path_alone_sees_leave_the_ground(
     )
     monkeypatch.setattr(ContactLoss, "arcs", lambda self, *lanes: None)
     monkeypatch.setattr(ContactLoss, "free", lambda self, *lanes: None)
-    monkeypatch.setattr(ContactLoss, "may_close", Observer.may_close)
+    monkeypatch.setattr(ContactLoss, "may_rest", Observer.may_rest)
     assert (
         spectrum([pendulum()], motion, grid, method=method, check=6).summary.misjudged
         == lost
