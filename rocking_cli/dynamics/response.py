@@ -36,8 +36,9 @@ class Response(NamedTuple):
         number of impacts that were computed, int32: a lower bound, since a proof may
         end the computation of a cell, or sum a sequence of impacts, at any time
     condition
-        by how much theta_ratio takes over an error of the state in every unit of tau
-        [-], at least 1; NaN where theta_ratio is NaN or 0, and for bodies with ties
+        by how much theta_ratio takes over the errors of the steps, in units of the
+        tolerance [-]: times the tolerance a bound, of first order, of its error; NaN
+        where theta_ratio is NaN or 0
     work
         counters of the computation
 
@@ -485,12 +486,13 @@ def linear_response(
     Raises
     ------
     ArgumentError
-        for a number out of range, or if neither `eta` nor the system has a restitution
+        for a number out of range
 
     Notes
     -----
-    The flow is exact between events. The linear equation holds for slender structures,
-    and it is not safe: of a block that falls by Eq. 2.3 it may say that it stands.
+    Between events the flow is exact under one sinusoid, else a Taylor series to 1e-12.
+    The linear equation holds for slender structures, and it is not safe: of a block
+    that falls by Eq. 2.3 it may say that it stands.
 
     Examples
     --------

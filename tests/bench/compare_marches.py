@@ -13,7 +13,7 @@ of each scene): they count as `conditioned` if the march on floats is within 1e-
 `arch` or `plain.*record`. `--tied` draws bodies with ties and a tendon; what a package
 without vertical motion under them knows is `--only "tied (?!.*vertical)"`. With `--base
 DIR` the package in DIR takes the place of the
-march on floats, in a process of its own.
+march on floats, in a process of its own; its systems must hold their restitution.
 """
 
 import argparse

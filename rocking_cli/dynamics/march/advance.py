@@ -47,7 +47,7 @@ class StepResult(NamedTuple):
     top: Array  # y at the peak of the step, -inf without one
     top_at: Array  # time from the start to that peak [tau]
     error: Array  # bound of the error of y' that the step adds
-    fastest: Array  # bound of |y'| during the step; of an exact flow `speed_bound`
+    fastest: Array  # bound of |y'| during the step
 
 
 class Turns(NamedTuple):

@@ -275,13 +275,7 @@ class Run:
         end, hit, arc = step.end, step.hit, step.arc
         y, v = np.where(hit, 0.0, end.y), np.where(hit, step.impact_v, end.v)
         force = np.where(hit, step.impact_force, end.b + 2.0 * arc.damping * end.v)
-        fastest = step.fastest
-        if self.batch.equation.has_exact_flow(self.batch.segments):
-            from ..equations.linear_flow import LinearFlow
-
-            assert isinstance(arc, LinearFlow)
-            fastest = arc.speed_bound(step.reach)
-        arcs = Arcs(lanes, arc, step.reach, y, v, force, wanted, fastest)
+        arcs = Arcs(lanes, arc, step.reach, y, v, force, wanted, step.fastest)
         for observer in self.observers:
             observer.arcs(arcs)
 

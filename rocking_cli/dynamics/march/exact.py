@@ -39,32 +39,10 @@ def advance_exactly(
     """As `advance`, along exact flows."""
     arc = LinearFlow.of(segments, lanes)
     step = exact_step(arc, segments, lanes, until)
-    h, end = step.h, step.end
+    end = step.end
     hit = (end.y <= 0.0) & (step.turns | ~step.outward)
-    reach, zero = h.copy(), np.zeros(h.size)
-    first, top, top_at = zero.copy(), np.full(h.size, -np.inf), zero.copy()
-
-    turns = np.flatnonzero(step.turns & (step.outward | ~hit))
-    if turns.size:
-        own, sense = h[turns], np.where(step.outward[turns], 1.0, -1.0)
-        bending = arc.take(turns)
-        guess = peak_guess(bending, Instant(*(x[turns] for x in end)), own)
-        when, there = root(bending, (zero[turns], own), guess, sense)
-        out = sense > 0.0
-        peaks = turns[out]
-        first[peaks] = top_at[peaks] = when[out]
-        top[peaks] = there.y[out]
-        dips = ~out & ~(there.y > 0.0)
-        hit[turns[dips]], reach[turns[dips]] = True, when[dips]
-
-    impact_v, impact_force = zero.copy(), zero.copy()
-    at = np.flatnonzero(hit)
-    if at.size:
-        falling, bracket = arc.take(at), (first[at], reach[at])
-        guess = impact_guess(falling, Instant(*(x[at] for x in end)), h[at], bracket)
-        reach[at], there = root(falling, bracket, guess, None)
-        impact_v[at] = np.minimum(0.0, there.v)
-        impact_force[at] = falling.at_ground(reach[at])
+    reach, top_at, top = _turns(arc, step, hit)
+    impact_v, impact_force = _impacts(arc, step, np.flatnonzero(hit), top_at, reach)
     rounding = np.abs(end.y) + np.abs(end.v) + np.abs(arc.b) + np.abs(arc.v)
     return StepResult(
         arc,
@@ -78,8 +56,44 @@ def advance_exactly(
         top,
         top_at,
         _LAST_DIGIT * rounding,
-        zero,
+        arc.speed_bound(reach),
     )
+
+
+def _turns(arc: LinearFlow, step: ExactStep, hit: Array) -> tuple[Array, Array, Array]:
+    """(the time to the lowest point where that lies below the ground, else to the end;
+    the time to the peak, 0 without one; y at the peak, -inf without one); sets `hit`
+    for lowest points below the ground.
+    """
+    reach, top_at = step.h.copy(), np.zeros(hit.size)
+    top = np.full(hit.size, -np.inf)
+    at = np.flatnonzero(step.turns & (step.outward | ~hit))
+    if at.size:
+        own, h, out = arc.take(at), step.h[at], step.outward[at]
+        guess = peak_guess(own, Instant(*(x[at] for x in step.end)), h)
+        bracket = np.zeros(at.size), h
+        when, y, _ = root(own, bracket, guess, np.where(out, 1.0, -1.0))
+        top_at[at[out]], top[at[out]] = when[out], y[out]
+        dips = ~out & ~(y > 0.0)
+        hit[at[dips]], reach[at[dips]] = True, when[dips]
+    return reach, top_at, top
+
+
+def _impacts(
+    arc: LinearFlow, step: ExactStep, at: Array, after: Array, reach: Array
+) -> tuple[Array, Array]:
+    """(velocity, force) of the impacts of the lanes `at`, which come after the times
+    `after` and before `reach`; `reach` becomes the times of the impacts.
+    """
+    velocity, force = np.zeros(reach.size), np.zeros(reach.size)
+    if at.size:
+        own, bracket = arc.take(at), (after[at], reach[at])
+        end = Instant(*(x[at] for x in step.end))
+        guess = impact_guess(own, end, step.h[at], bracket)
+        reach[at], _, v = root(own, bracket, guess, None)
+        velocity[at] = np.minimum(0.0, v)
+        force[at] = own.at_ground(reach[at])
+    return velocity, force
 
 
 def exact_step(
@@ -88,14 +102,13 @@ def exact_step(
     """Return the step of each lane, at most `until` [tau] long."""
     k = lanes.segment
     left = segments.length[k] - lanes.phase
-    falls = lanes.side * (segments.s_end[k] - segments.s_start[k]) > 0.0
+    fall = lanes.side * (segments.s_end[k] - segments.s_start[k])
     # While the drive rises a body that speeds up outwards goes on to do so: then the
     # step covers the fall of the drive too.
-    on = segments.joins[k] & ~falls & (lanes.v >= 0.0) & (arc.b >= 0.0)
-    on &= lanes.side * (segments.s_end[k] - segments.s_start[k]) < 0.0
+    on = segments.joins[k] & (fall < 0.0) & (lanes.v >= 0.0) & (arc.b >= 0.0)
     following = np.where(on, k + 1, k)
     left = np.where(on, left + segments.length[following], left) / lanes.omega
-    falls |= on
+    falls = (fall > 0.0) | on
     h = np.minimum(np.minimum(left, until), LONGEST)
     end = arc.at(h)
 
@@ -127,13 +140,13 @@ def exact_step(
 
 def root(
     arc: LinearFlow, bracket: tuple[Array, Array], guess: Array, turning: Array | None
-) -> tuple[Array, Instant]:
-    """Return (h, state after h) at the one root of y in a bracket (low, high] that
+) -> tuple[Array, Array, Array]:
+    """Return (h, y and y' after h) at the one root of y in a bracket (low, high] that
     falls through zero there, or of y' with `turning`, the sign of y' before it; NaN
     where it does not converge. Householder's steps, a bisection where one leaves the
     bracket.
     """
-    when, found = np.full(guess.size, np.nan), np.full((4, guess.size), np.nan)
+    found = np.full((3, guess.size), np.nan)
     lanes, h = np.arange(guess.size), guess
     low, high = bracket
     close = _CLOSE if turning is None else _CLOSE_TURN
@@ -152,11 +165,10 @@ def root(
         if done.size:
             d = np.where(inside[done], step[done], 0.0)
             at, (y, v, b, j) = lanes[done], (x[done] for x in f)
-            when[at] = h[done] + d
             # The series about h takes the state over the last step.
-            found[0, at] = y + d * (v + d * (0.5 * b + d * j / 6.0))
-            found[1, at], found[2, at] = v + d * (b + 0.5 * d * j), b + d * j
-            found[3, at] = j
+            found[0, at] = h[done] + d
+            found[1, at] = y + d * (v + d * (0.5 * b + d * j / 6.0))
+            found[2, at] = v + d * (b + 0.5 * d * j)
             keep = np.flatnonzero(~settled)
             if not keep.size:
                 break
@@ -164,7 +176,7 @@ def root(
             low, high, inside = low[keep], high[keep], inside[keep]
             turning = None if turning is None else turning[keep]
         h = np.where(inside, target, 0.5 * (low + high))
-    return when, Instant(*found)
+    return found[0], found[1], found[2]
 
 
 def _householder(f: Instant, turning: Array | None) -> tuple[Array, Array, Array]:
