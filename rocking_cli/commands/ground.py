@@ -7,12 +7,12 @@ import re
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, fields, replace
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, cast
 
 import click
 
 from ..errors import RockingError
-from .command import option, partly, refuse
+from .command import flag, option, partly, refuse
 from .parameter_types import NUMBER, PULSE, STATION, InputPath, PulseOrPath, quantity
 from .printing import note, warn
 
@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from ..motions.buildings import Building
     from ..motions.grid import Grid
     from ..motions.recording import Recording
+    from ..motions.records import Stated
 
 _OF_A_FILE = ("vertical_component", "vertical_unit", "vertical_dt")
 _MOTION = (
@@ -36,6 +37,9 @@ _VERTICAL = (
 )
 COLUMN = (
     "Column of a table of numbers, from 1; all: each line goes on from the one before."
+)
+AS_IT_STANDS = (
+    "Take numbers that are unlike a ground motion: of one sign, or far from zero."
 )
 DT = "Time between the values of a record in a single column."
 
@@ -84,6 +88,13 @@ class Reading:
     )
     motion_dt: float | None = option("--dt --motion-dt", DT, type=quantity("time"))
     column: str | None = option("--column", COLUMN, metavar="NUMBER|all")
+    as_it_stands: bool = flag("--as-it-stands", AS_IT_STANDS)
+
+    @property
+    def stated(self) -> Stated:
+        """What the options state of a file, as keywords of the library."""
+        same = {key: getattr(self, key) for key in ("unit", "column", "as_it_stands")}
+        return cast("Stated", {**same, "dt": self.motion_dt})
 
 
 @dataclass(frozen=True)
@@ -336,11 +347,8 @@ class Motions(Reading, Source):
     def _choices(self, station: float | None) -> Any:
         """Return the choices for the motion of a file."""
         refuse("does not go with --motion", *OF_A_PULSE)
-        same = {
-            key: getattr(self, key)
-            for key in ("component", "unit", "column", "scale", "scale_to")
-        }
-        return {**same, "dt": self.motion_dt, "vertical": station, "tell": note}
+        same = {key: getattr(self, key) for key in ("component", "scale", "scale_to")}
+        return {**self.stated, **same, "vertical": station, "tell": note}
 
     def _pulse(self, station: float | None) -> Motion:
         from ..motions import pulse
@@ -351,6 +359,7 @@ class Motions(Reading, Source):
             "unit",
             "motion_dt",
             "column",
+            "as_it_stands",
             "scale_to",
         )
         if station is not None:

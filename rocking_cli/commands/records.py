@@ -99,6 +99,7 @@ def records(
     """
     from ..motions.buildings import floor_record, parse_building
     from ..motions.reading import read_set
+    from ..motions.records import Given
     from ..motions.records.record import ALL, chosen
     from ..reports.units import dimension_of_measure
 
@@ -135,15 +136,7 @@ def records(
 
     with ground.named(dt="motion_dt"):
         taken = list(
-            read_set(
-                files,
-                rows,
-                unit=reading.unit,
-                dt=reading.motion_dt,
-                column=reading.column,
-                tell=notes.append,
-                unread=unread.append,
-            )
+            read_set(files, rows, Given.of(reading.stated), notes.append, unread.append)
         )
     if wanted.record is not None:
         _write(wanted.record, taken_records, wanted.overwrite)

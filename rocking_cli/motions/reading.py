@@ -8,7 +8,7 @@ import os
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import BinaryIO, TypedDict, TypeVar, Unpack
+from typing import BinaryIO, TypeVar, Unpack
 
 from ..documents.files import STDIN, read_bytes
 from ..documents.parsing import documents_of
@@ -21,12 +21,12 @@ from .motion import Motion
 from .motion_document import build_motion
 from .recording import Recording, with_distinct_labels
 from .records import (
+    Given,
     Record,
+    Stated,
     is_record,
     pick,
     records_of,
-    require_column,
-    require_unit,
     unknown,
     unpacked,
 )
@@ -40,7 +40,7 @@ LONG = 5_000_000  # a record with so many samples gets a remark on memory
 _BYTES = 200  # memory for each sample
 
 
-class MotionChoices(TypedDict, total=False):
+class MotionChoices(Stated, total=False):
     """Choices for the motion of a file, the keywords of `read_motion` and
     `load_records`.
 
@@ -52,6 +52,7 @@ class MotionChoices(TypedDict, total=False):
     unit: of plain numbers, such as "cm/s2"
     dt: time step of plain numbers [s]
     column: of plain numbers, from 1; "all" where each line goes on from the last
+    as_it_stands: True takes numbers that are unlike a ground motion, as of one sign
     scale: factor, which may be negative [-]
     scale_to: instead of `scale`, such as "PGA=0.35g"
     vertical: factor of the vertical component of the file, which is added [-]
@@ -65,10 +66,6 @@ class MotionChoices(TypedDict, total=False):
     """
 
     component: str | None  # by name or number from 1
-    unit: str | None  # unit of plain numbers
-    dt: float | None  # time step of plain numbers [s]
-    # column of plain numbers, from 1; `all` where each line goes on from the last
-    column: str | None
     scale: float | None  # factor, which may be negative [-]
     scale_to: str | None  # instead of `scale`, such as `PGA=0.35g`
     # factor of the vertical component of the file, which is added [-]
@@ -84,8 +81,8 @@ def read_motion(path: str | Path, **given: Unpack[MotionChoices]) -> Motion:
     path
         the file, "-" for standard input
     given
-        component, unit, dt [s], column, scale [-], scale_to, vertical [-] and tell, as
-        `MotionChoices` describes them
+        component, unit, dt [s], column, as_it_stands, scale [-], scale_to, vertical [-]
+        and tell, as `MotionChoices` describes them
 
     Returns
     -------
@@ -118,7 +115,7 @@ def read_one(path: str | Path, given: MotionChoices) -> Motion | Recording:
     `read_motion`.
     """
     source, raw = read_bytes(path)
-    records = records_of(source, raw, **_stated(given))
+    records = records_of(source, raw, Given.of(given))
     if records is None:
         return _of_document(source, raw, given)
     (recording,) = _recordings(records, [pick(records, given.get("component"))], given)
@@ -145,7 +142,7 @@ def read_motions(
     try:
         found = [
             _scaled(r, given)
-            for r in read_set(paths, take, **_stated(given), tell=tell, unread=unread)
+            for r in read_set(paths, take, Given.of(given), tell, unread)
         ]
     except NoRecord as error:
         if len(paths) > 1 or error.source not in (paths[0], STDIN):
@@ -172,9 +169,9 @@ def load_records(
         called with a sentence on each file of a folder that cannot be read; None: such
         a file is an error
     given
-        component, unit, dt [s], column, scale [-], scale_to, vertical [-] and tell, as
-        `MotionChoices` describes them; component may also be "horizontal", "all", or
-        None for each horizontal one of each file
+        component, unit, dt [s], column, as_it_stands, scale [-], scale_to, vertical [-]
+        and tell, as `MotionChoices` describes them; component may also be "horizontal",
+        "all", or None for each horizontal one of each file
 
     Returns
     -------
@@ -272,8 +269,8 @@ def _of_document(source: str, raw: bytes, given: MotionChoices) -> Motion:
             f"{documents[1].place}: a second document; a motion file holds one"
         )
     motion, scale = build_motion(documents[0]), given.get("scale")
-    for name in ("component", "unit", "dt", "column", "scale_to", "vertical"):
-        if given.get(name) is not None:
+    for name in ("component", *Stated.__annotations__, "scale_to", "vertical"):
+        if given.get(name) not in (None, False):
             raise UsageError(
                 f"{source}: found a motion document; `{name}` applies to a record only"
             )
@@ -321,44 +318,23 @@ class NoRecord(DocumentError):
         self.source, self.raw = source, raw
 
 
-class Stated(TypedDict):
-    """What the user states of files of plain numbers."""
-
-    unit: str | None  # unit of acceleration
-    dt: float | None  # time step [s]
-    column: str | None  # number of a column from 1, or `all`
-
-
-def _stated(given: MotionChoices) -> Stated:
-    return Stated(
-        unit=given.get("unit"), dt=given.get("dt"), column=given.get("column")
-    )
-
-
 def read_set(
     paths: Sequence[str],
     take: Callable[[list[Record]], Sequence[Taken]],
-    *,
-    unit: str | None = None,
-    dt: float | None = None,
-    column: str | None = None,
+    given: Given,
     tell: Callable[[str], None],
     unread: Callable[[str], None] | None = None,
 ) -> Iterator[Taken]:
     """Yield the results of the function `take` on the records of each file (see
-    `record_files`); unit, dt [s], column: of plain numbers. tell: called for each file
+    `record_files`); given: what the user states of each. tell: called for each file
     without results and, in a directory, without a record, acceleration or the
     component; unread: for each file of a directory that cannot be read or taken (None:
     an error). Raises UsageError, DocumentError and the errors of `take`.
     """
-    require_unit(unit)
-    require_column(column)
     for path, named, held in record_files(paths):
         try:
             source, raw = held or read_bytes(path)
-            records = records_of(
-                source, raw, unit=unit, dt=dt, column=column, named=named
-            )
+            records = records_of(source, raw, given._replace(named=named))
             if records is None:
                 # a list may name a file that its reader may not see
                 raise NoRecord(source, raw, quoted=path in paths)

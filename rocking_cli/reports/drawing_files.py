@@ -360,10 +360,12 @@ def read_records(
     Raises DocumentError.
     """
     from ..motions.reading import read_set
+    from ..motions.records import Given
+    from ..motions.records.record import accepted
 
     files = [str(source) for source in sources]
     said = tell or (lambda line: None)
-    return list(read_set(files, lambda found: found, tell=said, unread=said))
+    return list(read_set(files, accepted, Given(), said, said))
 
 
 def is_spectra_file(source: Path) -> bool:

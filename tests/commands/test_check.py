@@ -228,7 +228,7 @@ def test_a_record_of_a_set_goes_with_the_vertical_one(rocking, refused, tmp_path
     """A row is the response to the record and the vertical one."""
     for name, peak in (("n", 0.28), ("up", 0.14)):
         (tmp_path / f"{name}.at2").write_text(
-            at2([peak * x for x in (0, 1, 1, 0, -1)], 0.2)
+            at2([peak * x for x in (0, 1, 1, 0, -1, -1, 0)], 0.2)
         )
     with_up = (
         "block:0.5x2",
@@ -243,7 +243,7 @@ def test_a_record_of_a_set_goes_with_the_vertical_one(rocking, refused, tmp_path
     row = rocking("check", *with_up, "--a-max", "1.2").record
     assert row["motion"].startswith("n with up")
     (tmp_path / "up.txt").write_text(
-        "".join(f"{9.81 * 0.14 * x:.6f}\n" for x in (0, 1, 1, 0, -1))
+        "".join(f"{9.81 * 0.14 * x:.6f}\n" for x in (0, 1, 1, 0, -1, -1, 0))
     )  # the same, in m/s2
     in_columns = (
         "block:0.5x2",

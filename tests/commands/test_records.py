@@ -75,7 +75,7 @@ def test_a_peak_that_the_header_contradicts_is_one_line_with_both_numbers(
         "EVENT_NAME:\nNDATA: 3\nSAMPLING_INTERVAL_S: 0.01\nUNITS: cm/s^2\nSTREAM:"
         " HNN\nPGA_CM/S^2: -50.5\nDATA_TYPE: ACCELERATION\n"
     )
-    (tmp_path / "a.asc").write_text(f"{keys}0\n-70.25\n0\n")
+    (tmp_path / "a.asc").write_text(f"{keys}0\n-70.25\n69\n")
     done = rocking("records", "a.asc", "--json")
     row = done.record
     assert (done.returncode, row["component"], row["header_pga"], row["pga"]) == (
@@ -86,8 +86,8 @@ def test_a_peak_that_the_header_contradicts_is_one_line_with_both_numbers(
     )
     assert row["header_difference"] == pytest.approx(70.25 / 50.5 - 1.0)
     odd = (
-        "a.asc: the header states a PGA of component HNN of 50.5 cm/s2, the samples"
-        " have 70.25 cm/s2"
+        "a.asc: component HNN: the header states a PGA of 50.5 cm/s2, the samples have"
+        " 70.25 cm/s2"
     )
     assert done.stderr.strip() == odd
     assert (

@@ -149,7 +149,7 @@ def test_arches_and_spires_sweep_like_any_other_structure(rocking, tmp_path):
 
 def test_an_input_is_never_the_output(refused, tmp_path):
     (tmp_path / "mine.doc").write_text("kind: block\nwidth: 1\nheight: 5")
-    (tmp_path / "mine.dat").write_text("0\n1\n0\n")
+    (tmp_path / "mine.dat").write_text("0\n1\n-1\n")
     (tmp_path / "link.h5").symlink_to("mine.dat")
     (tmp_path / "set.lst").write_text("mine.dat\n")
     assert "is an input of this call" in refused(
@@ -161,7 +161,7 @@ def test_an_input_is_never_the_output(refused, tmp_path):
         "--unit",
         "g",
         "--dt",
-        "1",
+        "0.1",
         "--overwrite",
         "--motion",
     )

@@ -161,7 +161,7 @@ def mixed(folder):
     }
     files |= {
         "still.csv": "0 0\n0.1 0\n0.2 0\n",
-        "plain.csv": "0 0\n0.1 1\n0.2 0\n",
+        "plain.csv": "0 0\n0.1 1\n0.2 -1\n",
         "README": "free\n",
     }
     files["station.txt"] = of_a_station(

@@ -30,7 +30,7 @@ from contextlib import AbstractContextManager, nullcontext
 from functools import cache
 from importlib import import_module
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypedDict, Unpack
 
 from ...documents.files import LARGEST, STDIN, named_after, read_bytes
 from ...errors import DocumentError, NoAcceleration, UsageError
@@ -39,24 +39,24 @@ from . import asdf, plain
 from .claims import agree
 from .cut_files import cut_number
 from .encodings import as_utf_8
-from .record import EVERY, Given, Record, Series, pick, record_of, require_series
+from .record import Given, Record, Series, accepted, pick, record_of, require_series
 from .text import HEAD, RecordText, cut_lines
-from .units import ACCELERATIONS, WRITTEN_UNITS, require_known
+from .units import ACCELERATIONS
 
 if TYPE_CHECKING:
     from importlib.metadata import EntryPoint
 
 __all__ = [
     "FORMATS",
+    "Given",
     "Record",
     "Series",
+    "Stated",
     "is_record",
     "pick",
     "read_record",
     "read_records",
     "records_of",
-    "require_column",
-    "require_unit",
     "unknown",
     "unpacked",
 ]
@@ -82,6 +82,7 @@ FORMATS = (
     "asa",
     "timeseries",
 )
+NOTHING = Given()
 _DOCUMENT = re.compile(r"^[ \t{\"']*kind[\"']?\s*:", re.MULTILINE)
 # uncorrected data: first words of a file, or a key of ESM and ITACA
 _UNCORRECTED = re.compile(
@@ -141,28 +142,6 @@ def _format_of(source: str, head: str) -> "tuple[Any, EntryPoint | None]":
     return (plain if plain.recognise(head) else None), None
 
 
-def require_unit(unit: str | None) -> None:
-    """Raise UsageError unless the unit of plain numbers is one of acceleration, or
-    None.
-    """
-    if unit is not None and require_known(unit) is None:
-        raise UsageError(f"`unit`: found {unit!r}; expected {', '.join(WRITTEN_UNITS)}")
-
-
-def require_column(column: str | None) -> None:
-    """Raise UsageError unless a column is stated by its number, or as
-    `all`, or None.
-    """
-    if (
-        column is not None
-        and column != EVERY
-        and not re.fullmatch(r"[1-9]\d{0,4}", column)
-    ):
-        raise UsageError(
-            f"`column`: found {column!r}; expected a number from 1, or {EVERY}"
-        )
-
-
 def _refuse_cut(source: str, content: bytes) -> None:
     """Refuse a file that ends inside a number. Raises DocumentError."""
     if (cut := cut_number(content)) is not None:
@@ -172,41 +151,34 @@ def _refuse_cut(source: str, content: bytes) -> None:
         )
 
 
-def records_of(
-    source: str,
-    raw: bytes,
-    *,
-    unit: str | None = None,
-    dt: float | None = None,
-    column: str | None = None,
-    named: bool = True,
-) -> list[Record] | None:
+def records_of(source: str, raw: bytes, given: Given = NOTHING) -> list[Record] | None:
     """Return every component of a file, or None if it has no record format.
 
-    unit, dt [s], column: what the user states, which the file may not contradict;
-    named: False for a file of a directory, where uncorrected accelerograms are no
-    fault, and what is stated belongs to plain numbers. Raises DocumentError for a file
-    that is not valid, holds counts or says otherwise than the user, NoAcceleration for
-    an uncorrected one that is not named, and UsageError for an unknown unit or column.
+    given: what the user states, which the file may not contradict; of a file of a
+    directory (not `named`) uncorrected accelerograms are no fault, and what is stated
+    belongs to plain numbers. Raises DocumentError for a file that is not valid, holds
+    counts or says otherwise than the user, and NoAcceleration for an uncorrected one
+    that is not named.
     """
-    require_unit(unit)
-    require_column(column)
-    given = Given(None if unit is None else require_known(unit), dt, column, named)
     sha256 = hashlib.sha256(raw).hexdigest()
     name = "record" if source == STDIN else named_after(source.removesuffix(".gz"))
     content = unpacked(source, raw)
-    if asdf.recognise(content):
-        series = asdf.read(source, content, given, named)
+
+    def records(series: list[Series], form: str) -> list[Record]:
         return [
-            record_of(s, name, asdf.NAME, source, sha256) for s in _distinct(series)
+            record_of(one, name, form, source, sha256, given.as_it_stands)
+            for one in _distinct(series)
         ]
+
+    if asdf.recognise(content):
+        return records(asdf.read(source, content, given), asdf.NAME)
     _refuse_binary(source, as_utf_8(content))
     text = RecordText(source, content, given)
     found, entry = _format_of(source, text.head)
     if found is None:
         return None
     uncorrected = _UNCORRECTED.search(cut_lines(text.head))
-    if uncorrected and not named and found is not plain:
+    if uncorrected and not given.named and found is not plain:
         raise NoAcceleration(
             f"{source}: an uncorrected accelerogram, which is taken where the file"
             " itself is named"
@@ -215,7 +187,7 @@ def records_of(
         read = found.read(text)
         require_series(read)
         _refuse_cut(source, content)
-        if found is not plain and named:
+        if found is not plain and given.named:
             _require_agreement(source, read, given, found.NAME)
         also = "an uncorrected accelerogram" if uncorrected else ""
         behind = "" if any(s.remark for s in read) else text.words_behind()
@@ -223,9 +195,7 @@ def records_of(
             s._replace(remark="; ".join(filter(None, (also, s.remark, behind))))
             for s in read
         ]
-        return [
-            record_of(s, name, found.NAME, source, sha256) for s in _distinct(series)
-        ]
+        return records(series, found.NAME)
 
 
 def _require_agreement(
@@ -249,16 +219,24 @@ def _require_agreement(
             raise DocumentError(f"{source}: `dt`: {said}")
 
 
-def read_records(
-    path: str | Path,
-    *,
-    unit: str | None = None,
-    dt: float | None = None,
-    column: str | None = None,
-) -> list[Record]:
+class Stated(TypedDict, total=False):
+    """Keywords of what the user states of a file, the fields of `Given`."""
+
+    unit: str | None  # unit of plain numbers
+    dt: float | None  # time step of plain numbers [s]
+    # column of plain numbers, from 1; `all` where each line goes on from the last
+    column: str | None
+    as_it_stands: bool  # True takes numbers that are unlike a ground motion
+
+
+def read_records(path: str | Path, **stated: Unpack[Stated]) -> list[Record]:
     """Return the components of a record file. Raises UsageError and DocumentError."""
+    return accepted(_read(path, Given.of(stated)))
+
+
+def _read(path: str | Path, given: Given) -> list[Record]:
     source, raw = read_bytes(path)
-    records = records_of(source, raw, unit=unit, dt=dt, column=column)
+    records = records_of(source, raw, given)
     if records is None:
         raise DocumentError(unknown(source, raw))
     return records
@@ -271,6 +249,7 @@ def read_record(
     unit: str | None = None,
     dt: float | None = None,
     column: str | None = None,
+    as_it_stands: bool = False,
 ) -> Record:
     """Return one record of a file.
 
@@ -288,6 +267,8 @@ def read_record(
         time step of plain columns of numbers [s]
     column
         of plain columns of numbers, from 1; "all" where each line goes on from the last
+    as_it_stands
+        True takes numbers that are unlike a ground motion, as of one sign
 
     Returns
     -------
@@ -306,7 +287,8 @@ def read_record(
     >>> record.npts, record.dt
     (1600, 0.01)
     """
-    return pick(read_records(path, unit=unit, dt=dt, column=column), component)
+    stated = Stated(unit=unit, dt=dt, column=column, as_it_stands=as_it_stands)
+    return pick(_read(path, Given.of(stated)), component)
 
 
 def record_from(given: Record | str | Path) -> Record:

@@ -45,13 +45,13 @@ def recognise(raw: bytes) -> bool:
         return False
 
 
-def read(source: str, raw: bytes, given: Given, named: bool) -> list[Series]:
+def read(source: str, raw: bytes, given: Given) -> list[Series]:
     """Return every channel. Raises DocumentError, and NoAcceleration for counts."""
     import h5py
 
     try:
         with h5py.File(io.BytesIO(raw), "r") as file:
-            return _channels(source, file, given, named)
+            return _channels(source, file, given)
     except _FAULTS as error:
         raise DocumentError(
             f"{source}: an ASDF file that is damaged, or not as gmprocess writes it:"
@@ -59,9 +59,7 @@ def read(source: str, raw: bytes, given: Given, named: bool) -> list[Series]:
         ) from None
 
 
-def _channels(
-    source: str, file: "h5py.File", given: Given, named: bool
-) -> list[Series]:
+def _channels(source: str, file: "h5py.File", given: Given) -> list[Series]:
     """Return every channel of an open file. Raises DocumentError, NoAcceleration, and
     one of _FAULTS.
     """
@@ -78,7 +76,7 @@ def _channels(
     processed = [x for x in held if not _RAW.search(x[0].rpartition("__")[2])]
     if not held:
         raise NoAcceleration(f"{source}: an ASDF file without waveforms")
-    if not processed and not named:
+    if not processed and not given.named:
         raise NoAcceleration(
             f"{source}: unprocessed waveforms, which are taken where the file itself is"
             " named"

@@ -154,8 +154,7 @@ class _NumberTable:
             return [Series(self.claims.component, self.step(), values[:, 0], unit)]
         time = self.time_column(values)
         taken = self.taken(values, time)
-        dt, remark = self.step_of_times(values, time)
-        remark = "; ".join(filter(None, (remark, self.left_out())))
+        dt, remark = self.step_of_times(values, time), self.left_out()
         found = []
         for i in taken:
             cell = None if self.cells is None else self.cells[i]
@@ -351,10 +350,10 @@ class _NumberTable:
             raise self.otherwise("dt", f"{given:g} s", repr(self.claims.quoted["step"]))
         return given if given is not None else said or 0.0
 
-    def step_of_times(self, values: Array, time: int | None) -> tuple[float, str]:
-        """(the step [s], a remark) of a table."""
+    def step_of_times(self, values: Array, time: int | None) -> float:
+        """The step [s] of a table."""
         if time is None:
-            return self.step(), ""
+            return self.step()
         cell = None if self.cells is None else self.cells[time]
         seconds = cell.seconds if cell is not None else None
         factor = seconds or self.claims.seconds or 1.0
@@ -371,9 +370,7 @@ class _NumberTable:
             raise self.text.fault(
                 f"times every {step:g} s, where {quoted!r} says otherwise"
             )
-        known = seconds is not None or step < 1.0
-        taken = f"a step of {step:g} s, where the first column is taken for times in s"
-        return step, "" if known else taken
+        return step
 
     def unit(self, cell: HeadingCell | None) -> str:
         """The unit that a heading or the user states."""

@@ -3,42 +3,60 @@ lines. The components of a file.
 """
 
 import hashlib
-from collections.abc import Sequence
+import re
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from decimal import Decimal
 from typing import Any, NamedTuple, Self
 
 import numpy as np
 
-from ...documents.quantities import DEFAULT_GRAVITY, parse_whole
+from ...documents.quantities import parse_whole
 from ...errors import ArgumentError, DocumentError, MotionError, NoComponent, UsageError
 from ...showing import Shown
 from ..blocks import largest
 from ..motion import checked_scale
 from ..polyline import Polyline
 from .directions import is_up
-from .units import ACCELERATIONS, WRITTEN_UNITS
+from .guard import require_no_mark, unlike_ground, unusual
+from .units import ACCELERATIONS, WRITTEN_UNITS, require_known
 
 LARGEST = 1e6  # m/s2, beyond which no ground shakes
 STEPS = (1e-7, 1e3)  # s, from the shortest to the longest
-_LONG_STEP = 1.0  # s; recorders sample every 0.001 to 0.02 s
-# g; the largest recorded is about 4 g. A record in gal that is read as g lies above,
-# one in g read as gal below
-_USUAL_PGA = (0.002, 5.0)
-# marks of missing values have two digits or more, and this ratio to the samples at
-# least
-_LEAST_MARK, _BEYOND = (99.0, 50.0)
 EVERY = "all"  # columns that follow each other: several values of one record on a line
 HORIZONTAL, ALL, STATION = "horizontal", "all", "station"
 
 
 class Given(NamedTuple):
-    """What the user states of a file of numbers."""
+    """What the user states of a file."""
 
     unit: str | None = None  # unit of acceleration
     dt: float | None = None  # time step [s]
     column: str | None = None  # number of a column from 1, or EVERY
+    as_it_stands: bool = False  # True takes numbers that are unlike a ground motion
     named: bool = True  # False for a file of a directory
+
+    @classmethod
+    def of(cls, stated: Mapping[str, Any]) -> Self:
+        """Return the fields that the keywords of a reader state; others are passed
+        over. Raises UsageError for an unknown unit or column.
+        """
+        said = {
+            key: value
+            for key in ("unit", "dt", "column", "as_it_stands")
+            if (value := stated.get(key)) is not None
+        }
+        unit, column = said.get("unit"), said.get("column")
+        if unit is not None:
+            said["unit"] = require_known(unit)
+            if said["unit"] is None:
+                known = ", ".join(WRITTEN_UNITS)
+                raise UsageError(f"`unit`: found {unit!r}; expected {known}")
+        if column not in (None, EVERY) and not re.fullmatch(r"[1-9]\d{0,4}", column):
+            raise UsageError(
+                f"`column`: found {column!r}; expected a number from 1, or {EVERY}"
+            )
+        return cls(**said)
 
 
 class Series(NamedTuple):
@@ -98,6 +116,7 @@ class Record(Shown):
     source: the file, for messages
     sha256: of the file
     remarks: sentences for the user
+    fault: why its numbers are no ground motion, "" for most; `pick` refuses such a one
 
     Examples
     --------
@@ -118,6 +137,7 @@ class Record(Shown):
     source: str  # the file, for messages
     sha256: str  # of the file
     remarks: tuple[str, ...] = ()  # sentences for the user
+    fault: str = ""  # why it is no ground motion and is not taken, "" for most
 
     @classmethod
     def of(
@@ -252,42 +272,35 @@ def record_motion(record: Record, scale: float = 1.0, name: str = "") -> Polylin
 
 
 def record_of(
-    series: Series, name: str, format_: str, source: str, sha256: str
+    series: Series,
+    name: str,
+    format_: str,
+    source: str,
+    sha256: str,
+    as_it_stands: bool = False,
 ) -> Record:
-    """Return the record of a series, with remarks if its PGA contradicts the header or
-    the unit. Raises DocumentError.
+    """Return the record of a series, with what its header and its numbers give cause to
+    tell; as_it_stands: take numbers that are unlike a ground motion. Raises
+    DocumentError.
     """
     factor = ACCELERATIONS[series.unit]
     with np.errstate(over="ignore"):  # the record refuses infinite values
         acceleration = series.samples * factor
-    _require_no_mark(series.samples, source)
-    remarks = [series.remark] if series.remark else []
-    where = "" if series.component is None else f" of component {series.component}"
-    pga, header = largest(acceleration), None
-    # With g the values cannot be too small by their unit: g is the largest unit.
-    small = (
-        series.pga is None
-        and series.unit != "g"
-        and 0.0 < pga < _USUAL_PGA[0] * DEFAULT_GRAVITY
-    )
-    if pga > _USUAL_PGA[1] * DEFAULT_GRAVITY or small:
-        remarks.append(
-            f"a PGA{where} of {pga / DEFAULT_GRAVITY:.3g} g, where the unit is taken to"
-            f" be {series.unit}"
-        )
-    if series.dt > _LONG_STEP and not series.remark:
-        remarks.append(
-            f"a time step{where} of {series.dt:g} s, which is unusually long"
-        )
+    require_no_mark(series.samples, source)
+    where = "" if series.component is None else f"component {series.component}: "
+    told, header = unusual(acceleration, series.dt, series.unit, series.pga), None
     if series.pga is not None:
-        stated, found = abs(float(series.pga)), pga / factor
+        stated, peak = abs(float(series.pga)), largest(acceleration) / factor
         header = stated * factor
         half_a_digit = 0.5 * 10.0 ** float(Decimal(series.pga).as_tuple().exponent)
-        if abs(found - stated) > max(0.01 * stated, half_a_digit):
-            remarks.append(
-                f"the header states a PGA{where} of {stated:g} {series.unit}, the"
-                f" samples have {found:.6g} {series.unit}"
+        if abs(peak - stated) > max(0.01 * stated, half_a_digit):
+            told.append(
+                f"the header states a PGA of {stated:g} {series.unit}, the samples have"
+                f" {peak:.6g} {series.unit}"
             )
+    fault = unlike_ground(acceleration)
+    if fault and as_it_stands:
+        told, fault = [*told, fault], ""
     return Record(
         name,
         format_,
@@ -298,24 +311,11 @@ def record_of(
         series.unit,
         source,
         sha256,
-        tuple(remarks),
+        tuple(x for x in (series.remark, *(where + x for x in told)) if x),
+        fault
+        and f"{source}: {where}{fault}; expected an acceleration of the ground, about"
+        " zero, or `as_it_stands`",
     )
-
-
-def _require_no_mark(samples: np.ndarray, source: str) -> None:
-    """Raise DocumentError for values such as -999 or 9999.9, far beyond all others."""
-    size = np.abs(samples)
-    peak = float(size.max(initial=0.0))
-    digits = f"{peak:.10g}".replace(".", "")
-    if peak < _LEAST_MARK or set(digits) != {"9"}:
-        return
-    others = size[size < peak]
-    if others.size and peak > _BEYOND * float(others.max()):
-        at = int(np.argmax(size))
-        raise DocumentError(
-            f"{source}: sample {at + 1} is {samples[at]:.10g}, which marks a missing"
-            " value"
-        )
 
 
 def is_vertical(record: Record) -> bool:
@@ -326,13 +326,21 @@ def is_vertical(record: Record) -> bool:
     return is_up(name) or (record.format == "K-NET" and name in ("3", "6"))
 
 
+def accepted(records: list[Record]) -> list[Record]:
+    """Return the records. Raises DocumentError for one that is no ground motion."""
+    for record in records:
+        if record.fault:
+            raise DocumentError(record.fault)
+    return records
+
+
 def pick(records: Sequence[Record], component: str | None) -> Record:
     """Return the record of a component, given by its name or its number from 1; None:
     the only component. Raises UsageError.
     """
     found = list(records) if component is None else chosen(records, component)
     if len(found) == 1:
-        return found[0]
+        return accepted(found)[0]
     raise UsageError(
         f"{records[0].source}: holds the components {names_of(found or records)}; give"
         " one as component"
@@ -347,7 +355,7 @@ def chosen(records: Sequence[Record], component: str | None) -> list[Record]:
     source = records[0].source
     word = None if component is None else component.strip().casefold()
     if word == ALL:
-        return list(records)
+        return accepted(list(records))
     if word in (None, HORIZONTAL):
         found = [r for r in records if not is_vertical(r)]
         if word is None and len(found) > 2:  # a file of a building or an array
@@ -355,12 +363,12 @@ def chosen(records: Sequence[Record], component: str | None) -> list[Record]:
                 f"{source}: holds the components {names_of(records)}; give one as"
                 f" component, or {HORIZONTAL} for all of those"
             )
-        return found
+        return accepted(found)
     for record in records:
         if (record.component or "").casefold() == word != "":
-            return [record]
+            return accepted([record])
     if (number := parse_whole(word or "")) and number <= len(records):
-        return [records[number - 1]]
+        return accepted([records[number - 1]])
     known = (
         names_of(records)
         if records[0].component is not None
@@ -387,7 +395,7 @@ def vertical_of(records: Sequence[Record]) -> Record:
             f"{records[0].source}: holds {held}; expected one where `vertical` is"
             f" {STATION}"
         )
-    return found[0]
+    return accepted(found)[0]
 
 
 def names_of(records: Sequence[Record]) -> str:

@@ -407,7 +407,7 @@ def test_a_file_named_as_velocities_is_read_only_where_it_says_acceleration(tmp_
 
 
 def test_a_list_of_factors_in_a_directory_is_no_motion(tmp_path):
-    (tmp_path / "factors.txt").write_text("1.2\n0.8\n1.5\n")
+    (tmp_path / "factors.txt").write_text("1.2\n-0.8\n0.5\n")
     (tmp_path / "motion.txt").write_text(table("acc [g]", 1.0, times=None))
     told: list[str] = []
     found = load_records([tmp_path], unit="g", dt=0.01, tell=told.append)

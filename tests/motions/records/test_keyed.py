@@ -160,7 +160,7 @@ def test_what_the_header_contradicts_is_a_remark(tmp_path):
         esm(DATA_TYPE="UNPROCESSED ACCELERATION", **{"PGA_CM/S^2": "-80.0"}),
     )
     contradicted = (
-        "the header states a PGA of component HNE of 80 cm/s2, the samples have 87.5"
+        "component HNE: the header states a PGA of 80 cm/s2, the samples have 87.5"
         " cm/s2"
     )
     assert record.remarks == ("an uncorrected accelerogram", contradicted)

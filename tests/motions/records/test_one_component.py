@@ -439,7 +439,7 @@ REFUSED = [
 def test_a_rate_in_seconds_is_a_remark(tmp_path):
     (tmp_path / "a").write_text(smc(rate=0.005))
     assert (
-        "a time step of component 360 of 200 s, which is unusually long"
+        "component 360: a time step of 200 s, which is unusually long"
         in read_record(tmp_path / "a").remarks
     )
 

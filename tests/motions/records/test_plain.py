@@ -94,7 +94,7 @@ def test_a_first_column_that_can_hardly_be_seconds_is_a_remark(tmp_path, step):
     record = read_record(tmp_path / "a", unit="m/s2")
     assert (record.dt, record.remarks) == (
         step,
-        (f"a step of {step} s, where the first column is taken for times in s",),
+        (f"a time step of {step} s, which is unusually long",),
     )
 
 
@@ -274,7 +274,7 @@ def test_words_are_as_long_as_a_header_has_them(tmp_path):
 def test_columns_are_as_many_as_a_file_has_them(tmp_path):
     path = tmp_path / "a.csv"
     names = ",".join(f"sensor {i}" for i in range(300))
-    values = "".join(f"{i / 100:.2f}{',0.1' * 299},{i % 7}\n" for i in range(50))
+    values = "".join(f"{i / 100:.2f}{',0.1' * 299},{i % 7 - 3}\n" for i in range(50))
     path.write_text(f"time,{names}\n{values}")
     assert read_record(path, unit="g", column="301").npts == 50
     path.write_text("  " + ",".join(f"{x:.6f}" for x in SAMPLES.tolist() * 10))

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from support.record_layouts import as_printed, refusal, rows, wave
 
 from rocking_cli.errors import RockingError
-from rocking_cli.motions.records import read_record, records_of
+from rocking_cli.motions.records import Given, read_record, records_of
 
 SAMPLES = wave(40, 0.5)
 READ = 9.81 * as_printed(SAMPLES, "{:.6f}")
@@ -276,7 +276,7 @@ def test_any_text_is_a_record_or_one_sentence(heads, bits):
     for stated in ({}, STATED, {**STATED, "column": "2"}):
         refused, found = "", None
         try:
-            found = records_of("a", text.encode(), **stated)
+            found = records_of("a", text.encode(), Given(**stated))
         except RockingError as error:
             refused = str(error)
         assert found is None or found[0].npts >= 2
