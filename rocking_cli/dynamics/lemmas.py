@@ -169,6 +169,18 @@ y grows with A where it is positive.
 Test
 `tests/envelopes/test_boundaries.py::test_above_overturning_without_impact_there_is_nothing_else`.
 
+# Lemma 11 (over many samples)
+
+Undamped linear oscillator. While a >= c, y(h) >= y + v sinh h + (y - 1 + c)(cosh h -
+1), and no impact comes before this bound is zero. Where y >= 0 and a >= c on a stretch
+of length T, y is nowhere above the higher of its ends by more than (1 - c) T^2/8. Where
+a <= c' there as well, its end y_1 is its highest point if v_1 >= max(0, y_1 - 1 + c')
+T/2, and so is its start y_0 if -v_0 >= max(0, y_0 - 1 + c') T/2.
+Proof. Green's function sinh is not negative, so y is monotone in the drive. y'' >= c -
+1 gives the bound by the ends. Back from the end, y <= y_1 - v_1 t + t^2/2 max(0, y_1 -
+1 + c') as long as y is not above y_1, so it never is; likewise from the start.
+Test `march/test_ahead.py::test_flights_end_as_line_by_line`.
+
 # Lemma 13 (contact is kept)
 
 A body whose arcs do not overturn it keeps Fz > 0 if the bound of its speed leaves Fz >

@@ -63,6 +63,25 @@ class Segments:
         """True if every piece is a straight line."""
         return not self.harmonics
 
+    def last_line(self, first: np.ndarray) -> np.ndarray:
+        """Return the last segment of the motions that begin with these segments."""
+        return np.full(first.shape, len(self) - 1)
+
+    @cached_property
+    def of_samples(self) -> bool:
+        """True for straight lines at equal steps, one after the other without a jump,
+        under a constant weight.
+        """
+        if not self.straight or self.weighed is not None or len(self) < 2:
+            return False
+        return self._equal_lines(slice(None))
+
+    def _equal_lines(self, which: slice) -> bool:
+        length, start, end = (x[which] for x in (self.length, self.s_start, self.s_end))
+        equal = np.abs(length - length[0]) <= 1e-9 * length[0]
+        apart = np.abs(start[1:] - end[:-1])
+        return bool(equal.all() and np.all(apart <= 1e-12 * self.largest))
+
     @property
     def weighed(self) -> Any:
         """The segments of a motion under which the weight varies
@@ -280,6 +299,21 @@ class Chain(Segments):
             for f in fields(Segments)
         }
         return cls(**columns, first=np.cumsum([0, *map(len, rested[:-1])]))
+
+    def last_line(self, first: np.ndarray) -> np.ndarray:
+        """Return the last line of the motions that begin with these segments, before
+        the still ground.
+        """
+        return np.asarray(self._ground_after[first] - 1)
+
+    @cached_property
+    def of_samples(self) -> bool:
+        """True if every motion consists of straight lines at equal steps."""
+        ends = [*self.first[1:].tolist(), len(self)]
+        return self.straight and all(
+            self._equal_lines(slice(a, b - 1))
+            for a, b in zip(self.first.tolist(), ends, strict=True)
+        )
 
     @cached_property
     def _ground_after(self) -> np.ndarray:

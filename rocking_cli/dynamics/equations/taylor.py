@@ -5,7 +5,7 @@ its step, so no step is rejected. Impacts and peaks are roots of the series.
 import math
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -366,14 +366,26 @@ def line_flow(
     return line_series(equation, lanes.y, lanes.v, drive, lanes.force, growth)
 
 
-def line_drive(segments: Segments, lanes: Lanes) -> Drive:
-    """Return the drive of lanes on the rest of their straight line."""
+class OnLine(Protocol):
+    """Lanes on straight lines, as `Lanes`."""
+
+    side: Array
+    amplitude: Array
+    omega: Array
+    segment: Array
+    phase: Array
+
+
+def line_drive(segments: Segments, lanes: OnLine, unit: Array | None = None) -> Drive:
+    """Return the drive of lanes on their straight line from now on. unit: unit of time
+    of the series [tau], None for the rest of the line.
+    """
+    if unit is None:
+        left = (segments.length[lanes.segment] - lanes.phase) / lanes.omega
+        unit = np.clip(left, _LEAST, LONGEST)
     outward = -lanes.side * lanes.amplitude
     slope = outward * segments.slope[lanes.segment]
     start = outward * segments.s_start[lanes.segment] + slope * lanes.phase
-    unit = np.clip(
-        (segments.length[lanes.segment] - lanes.phase) / lanes.omega, _LEAST, LONGEST
-    )
     drive = Drive(TermRows.of(start, slope * lanes.omega * unit), unit)
     if (weighed := segments.weighed) is not None:
         heavier = (

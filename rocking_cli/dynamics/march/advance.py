@@ -13,6 +13,7 @@ the signs of y and y' at both ends tell what happens in a step:
                                          there
 """
 
+from collections.abc import Callable
 from functools import lru_cache
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -44,10 +45,10 @@ class StepResult(NamedTuple):
     hit: Array  # True where the lane hit the ground
     impact_v: Array  # velocity y' just before the impact
     impact_force: Array  # force y'' + 2 zeta y' at the impact
-    top: Array  # y at the peak of the step, -inf without one
+    top: Array  # y at the peak of the step, -inf without one, or if it is not wanted
     top_at: Array  # time from the start to that peak [tau]
     error: Array  # bound of the error of y' that the step adds
-    fastest: Array  # bound of |y'| during the step
+    fastest: Callable[[], Array]  # returns a bound of |y'| during the step
 
 
 class Turns(NamedTuple):
@@ -78,10 +79,15 @@ def one_turn_step(
 
 
 def advance(
-    segments: Segments, lanes: Lanes, equation: Equation, until: Array | float = np.inf
+    segments: Segments,
+    lanes: Lanes,
+    equation: Equation,
+    until: Array | float = np.inf,
+    tops: bool = True,
 ) -> StepResult:
     """Move each lane by one step, or to the impact in it, if there is one. until: the
-    longest step [tau] that other events allow.
+    longest step [tau] that other events allow; tops: False if no peak is wanted but
+    those that may reach the limit of y.
     """
     arc = equation.flow(segments, lanes)
     left = segments.left_of_piece(lanes.segment, lanes.phase) / lanes.omega
@@ -91,7 +97,8 @@ def advance(
     hit = (end.y <= 0.0) & (one.turns | ~one.outward)
     s, top, top_at = np.ones(h.size), np.full(h.size, -np.inf), np.zeros(h.size)
     _lowest_points(terms, one, hit, s)
-    peaks = np.flatnonzero(one.turns & one.outward)
+    wanted = tops | (np.maximum(end.y, lanes.y) + one.fastest >= equation.limit)
+    peaks = np.flatnonzero(one.turns & one.outward & wanted)
     if peaks.size:
         own = terms.take(peaks, axis=1)
         top_at[peaks], top[peaks] = only_root(own, one.guess[peaks], speed=True)[:2]
@@ -108,7 +115,7 @@ def advance(
         top,
         top_at * h,
         error_of(arc, terms, h),
-        one.fastest / h,
+        lambda: one.fastest / h,
     )
 
 

@@ -31,11 +31,13 @@ from ..lanes import Lanes
 from ..observers.observer import Arcs, Observer
 from ..outcome import FALLEN, Outcome, Work
 from .advance import StepResult, advance
+from .over_samples import OverSamples
 from .proofs import FREE_MOTION, LaneProof, Proved, free_motion, proofs_of
+from .whole_lines import WholeLines
 
 # lanes that are advanced together: fewer rounds against arrays that no longer fit the
 # caches; more lanes where an arc has few numbers
-_POOL, _LARGE_POOL = 4096, 16384
+_POOL, _LARGE_POOL = 4096, 32768
 
 _TRIM_THRESHOLD, _MMAP_THRESHOLD = -1, -3  # parameters of mallopt(3)
 _BLOCK = 32 << 20  # bytes, the largest that it takes
@@ -63,6 +65,15 @@ class PooledLanes(Lanes):
     slot: Array  # place of the lane in the pool, (lanes,)
 
 
+def ahead_of(batch: Batch) -> OverSamples | WholeLines | None:
+    """Return what takes lanes of a batch ahead in the air, None under a motion without
+    straight lines.
+    """
+    if batch.equation.bounded and batch.segments.of_samples:
+        return OverSamples(batch)
+    return WholeLines(batch) if batch.segments.straight else None
+
+
 class Run:
     """The march of a batch: the lanes in the pool, and the results so far."""
 
@@ -75,6 +86,9 @@ class Run:
         self.pool = pool or (_LARGE_POOL if few else _POOL)
         self.observers = list(observers)  # objects that see the motion of the lanes
         self.proofs, self.after_rest = proofs_of(batch, bool(observers))
+        self.tops = batch.peaks or bool(observers)  # True if all peaks are wanted
+        # takes lanes in the air over lines of a record, if nothing is seen on the way
+        self.ahead = None if observers else ahead_of(batch)
         # results so far, as in `Response`, (cells,)
         self.theta_ratio = np.full(batch.size, 0.0 if batch.peaks else np.nan)
         self.outcome = np.full(batch.size, Outcome.NO_UPLIFT, dtype=np.uint8)
@@ -106,8 +120,13 @@ class Run:
             if batch.segments.straight
             else batch.cells.amplitude[:, waiting].max(axis=0)
         )
+        waiting = waiting[np.argsort(order, kind="stable")]
         with np.errstate(all="ignore"):
-            self._march(waiting[np.argsort(order, kind="stable")])
+            if isinstance(self.ahead, OverSamples):
+                for some in self.ahead.groups(waiting):
+                    self._march(some)
+            else:
+                self._march(waiting)
 
     def _march(self, waiting: Array) -> None:
         """March these cells, (cells,) indices, to their end."""
@@ -185,15 +204,17 @@ class Run:
         ended.
         """
         batch, seg = self.batch, self.batch.segments
+        if self.ahead is not None:
+            self.ahead.move(lanes)
         lanes.steps += 1
         until = np.inf if batch.free_fall is None else batch.free_fall.time_left(lanes)
         equation = batch.equation.on(lanes.side, lanes.cell)
         if equation.has_exact_flow(seg):
             from .exact import advance_exactly
 
-            step = advance_exactly(seg, lanes, until)
+            step = advance_exactly(seg, lanes, until, self.tops)
         else:
-            step = advance(seg, lanes, equation, until)
+            step = advance(seg, lanes, equation, until, self.tops)
         self.work.impacts += int(np.count_nonzero(step.hit))
         self.work.steps += step.hit.size
 
@@ -275,7 +296,7 @@ class Run:
         end, hit, arc = step.end, step.hit, step.arc
         y, v = np.where(hit, 0.0, end.y), np.where(hit, step.impact_v, end.v)
         force = np.where(hit, step.impact_force, end.b + 2.0 * arc.damping * end.v)
-        arcs = Arcs(lanes, arc, step.reach, y, v, force, wanted, step.fastest)
+        arcs = Arcs(lanes, arc, step.reach, y, v, force, wanted, step.fastest())
         for observer in self.observers:
             observer.arcs(arcs)
 

@@ -17,6 +17,7 @@ from .advance import StepResult
 # a step of Halley's method this short, over every scale of the arc, leaves an error
 # below rounding after the last one: of a turn, where y is stationary, and of an impact
 _CLOSE_TURN, _CLOSE = 1e-3, 3e-6
+_SOON = 0.3  # over the rate of the fastest change: up to there three terms tell a turn
 _ROUNDS = 200  # more than bisection needs for any bracket
 _HALVINGS = 60
 _LAST_DIGIT = 1e-15  # of an exact flow, over the sizes of its terms
@@ -34,14 +35,14 @@ class ExactStep(NamedTuple):
 
 
 def advance_exactly(
-    segments: Segments, lanes: Lanes, until: Array | float
+    segments: Segments, lanes: Lanes, until: Array | float, tops: bool
 ) -> StepResult:
-    """As `advance`, along exact flows."""
+    """As `advance`, along exact flows, whose y has no limit."""
     arc = LinearFlow.of(segments, lanes)
     step = exact_step(arc, segments, lanes, until)
     end = step.end
     hit = (end.y <= 0.0) & (step.turns | ~step.outward)
-    reach, top_at, top = _turns(arc, step, hit)
+    reach, top_at, top = _turns(arc, step, hit, tops)
     impact_v, impact_force = _impacts(arc, step, np.flatnonzero(hit), top_at, reach)
     rounding = np.abs(end.y) + np.abs(end.v) + np.abs(arc.b) + np.abs(arc.v)
     return StepResult(
@@ -56,18 +57,20 @@ def advance_exactly(
         top,
         top_at,
         _LAST_DIGIT * rounding,
-        arc.speed_bound(reach),
+        lambda: arc.speed_bound(reach),
     )
 
 
-def _turns(arc: LinearFlow, step: ExactStep, hit: Array) -> tuple[Array, Array, Array]:
+def _turns(
+    arc: LinearFlow, step: ExactStep, hit: Array, tops: bool
+) -> tuple[Array, Array, Array]:
     """(the time to the lowest point where that lies below the ground, else to the end;
     the time to the peak, 0 without one; y at the peak, -inf without one); sets `hit`
     for lowest points below the ground.
     """
     reach, top_at = step.h.copy(), np.zeros(hit.size)
     top = np.full(hit.size, -np.inf)
-    at = np.flatnonzero(step.turns & (step.outward | ~hit))
+    at = np.flatnonzero(step.turns & (step.outward & tops | ~step.outward & ~hit))
     if at.size:
         own, h, out = arc.take(at), step.h[at], step.outward[at]
         guess = peak_guess(own, Instant(*(x[at] for x in step.end)), h)
@@ -192,8 +195,12 @@ def _householder(f: Instant, turning: Array | None) -> tuple[Array, Array, Array
 
 def peak_guess(arc: LinearFlow, end: Instant, h: Array) -> Array:
     """Return a guess of the turn of arcs between their start and h: where the cubic of
-    y' and y'' at both ends is 0.
+    y' and y'' at both ends is 0, and where that is soon, by the state at the start.
     """
+    jerk = arc.v + arc.sin * arc.w
+    with np.errstate(all="ignore"):
+        root = np.sqrt(arc.b * arc.b - 2.0 * arc.v * jerk)
+        soon = -2.0 * arc.v / (arc.b + np.copysign(root, arc.b))
     a, b, c, d = arc.v, h * arc.b, end.v, h * end.b
     with np.errstate(all="ignore"):
         s = np.nan_to_num(a / (a - c), nan=1.0)  # no speed at either end
@@ -210,7 +217,8 @@ def peak_guess(arc: LinearFlow, end: Instant, h: Array) -> Array:
         with np.errstate(all="ignore"):
             s = s - value / slope
         s = np.where((s > low) & (s < high), s, 0.5 * (low + high))
-    return np.clip(s, 1e-3, 1.0) * h
+    near = (soon > 0.0) & (soon < h) & (soon * arc.fastest < _SOON)
+    return np.where(near, soon, np.clip(s, 1e-3, 1.0) * h)
 
 
 def impact_guess(
