@@ -22,7 +22,7 @@ import numpy as np
 from ...arrays import Array
 from ...motions.segments import Segments
 from ..equations.equation import Equation, Instant
-from ..equations.taylor import MOST_TERMS, TaylorSeries, powers
+from ..equations.taylor import MOST_TERMS, TaylorSeries, powers, product
 from ..lanes import Lanes
 from .roots import bernstein_form, fall_guess, only_root, turn_guess
 
@@ -62,15 +62,13 @@ class Turns(NamedTuple):
     largest_acceleration: Array  # bound of |y''| times the square of that length
 
 
-def one_turn_step(
-    arc: TaylorSeries, longest: Array, lines: bool
-) -> tuple[Array, Array, Turns]:
+def one_turn_step(arc: TaylorSeries, longest: Array) -> tuple[Array, Array, Turns]:
     """Return (the length h of the step of each lane [tau], at most `longest`; the terms
-    of y in powers of the time over h; its turns). lines: True under straight lines.
+    of y in powers of the time over h; its turns).
     """
     h = np.minimum(arc.longest, longest)
     terms = arc.over(h)
-    turns = (one_turn_of_lines if lines else one_turn)(terms)
+    turns = one_turn(terms)
     shorter = np.flatnonzero(turns.share < 1.0)
     if shorter.size:
         h[shorter] *= turns.share[shorter]
@@ -91,7 +89,7 @@ def advance(
     """
     arc = equation.flow(segments, lanes)
     left = segments.left_of_piece(lanes.segment, lanes.phase) / lanes.omega
-    h, terms, one = one_turn_step(arc, np.minimum(left, until), segments.straight)
+    h, terms, one = one_turn_step(arc, np.minimum(left, until))
     end = arc.point(terms, h)
 
     hit = (end.y <= 0.0) & (one.turns | ~one.outward)
@@ -173,8 +171,46 @@ def _degrees(count: int) -> Array:
 
 def one_turn(terms: Array) -> Turns:
     """The longest part of steps, of which `terms` are the series of y, that is proved
-    to have one turn at most.
+    to have one turn at most: for most of them by the chords of y' and of y''.
     """
+    count, sizes = len(terms), np.abs(terms)
+    derivatives, chord_errors = _chord_tables(count)
+    start, bend = terms[1], 2.0 * terms[2]
+    end, end_bend = product(derivatives, terms)
+    # y' and y'' leave the chords between their ends by no more than this.
+    speed, rate = product(chord_errors, sizes)
+    bends = np.minimum(np.abs(bend), np.abs(end_bend)) > rate
+    monotone = bends & ((bend > 0.0) == (end_bend > 0.0))
+    at_once = np.where(bend == 0.0, terms[3], bend)
+    outward = np.where(start == 0.0, at_once, start) >= 0.0
+    outward_end = end >= 0.0
+    kept = np.minimum(np.abs(start), np.abs(end)) > speed
+    kept &= outward == outward_end
+    turns = outward != outward_end
+    with np.errstate(all="ignore"):
+        guess = np.where(turns, np.clip(start / (start - end), 1e-3, 1.0), 1.0)
+    one = Turns(
+        np.ones(start.size),
+        outward,
+        turns,
+        guess,
+        np.maximum(np.abs(start), np.abs(end)) + speed,
+        np.maximum(np.abs(bend), np.abs(end_bend)) + rate,
+    )
+    doubtful = np.flatnonzero(~(kept | monotone))
+    if doubtful.size:
+        # As many terms as the longest series has: no digit may depend on the others.
+        own = terms.take(doubtful, axis=1)
+        if count <= MOST_TERMS:
+            more = np.zeros((MOST_TERMS + 1 - count, doubtful.size))
+            own = np.concatenate([own, more])
+        for whole, part in zip(one, turns_by_signs(own), strict=True):
+            whole[doubtful] = part
+    return one
+
+
+def turns_by_signs(terms: Array) -> Turns:
+    """As `one_turn`, by the signs of the Bernstein coefficients of y' (Lemma 1)."""
     speeds = bernstein_form(terms[1:] * _degrees(len(terms))[1:])
     positive = _signs(speeds)
     changes = _sign_changes(positive)
@@ -214,56 +250,15 @@ def _sign_changes(positive: Array) -> Array:
     return changes
 
 
-def one_turn_of_lines(terms: Array) -> Turns:
-    """As `one_turn`, for the short steps of records: the chords of y' and of y'' prove
-    it for nearly all of them.
-    """
-    count = len(terms)
-    speed, rate = _chord_errors(count)
-    start, bend = terms[1], 2.0 * terms[2]
-    end, end_bend = start + bend, bend.copy()
-    size = np.zeros((2, start.size))
-    for n in range(3, count):
-        end += n * terms[n]
-        end_bend += n * (n - 1.0) * terms[n]
-        part = np.abs(terms[n])
-        size[0] += speed[n - 3] * part
-        size[1] += rate[n - 3] * part
-    # y' and y'' leave the chords between their ends by no more than `size`.
-    bends = np.minimum(np.abs(bend), np.abs(end_bend)) > size[1]
-    monotone = bends & ((bend > 0.0) == (end_bend > 0.0))
-    at_once = np.where(bend == 0.0, terms[3], bend)
-    outward = np.where(start == 0.0, at_once, start) >= 0.0
-    outward_end = end >= 0.0
-    kept = np.minimum(np.abs(start), np.abs(end)) > size[0]
-    kept &= outward == outward_end
-    turns = outward != outward_end
-    with np.errstate(all="ignore"):
-        guess = np.where(turns, np.clip(start / (start - end), 1e-3, 1.0), 1.0)
-    one = Turns(
-        np.ones(start.size),
-        outward,
-        turns,
-        guess,
-        np.maximum(np.abs(start), np.abs(end)) + size[0],
-        np.maximum(np.abs(bend), np.abs(end_bend)) + size[1],
-    )
-    doubtful = np.flatnonzero(~(kept | monotone))
-    if doubtful.size:
-        # As many terms as the longest series has: no digit may depend on the others.
-        own = np.zeros((MOST_TERMS + 1, doubtful.size))
-        own[:count] = terms.take(doubtful, axis=1)
-        for whole, part in zip(one, one_turn(own), strict=True):
-            whole[doubtful] = part
-    return one
-
-
 @lru_cache(maxsize=64)
-def _chord_errors(count: int) -> tuple[list[float], list[float]]:
-    """For n from 3: n times the maximum of t - t^(n - 1) on [0, 1], and n (n - 1) times
-    that of t - t^(n - 2).
+def _chord_tables(count: int) -> tuple[Array, Array]:
+    """(rows: y' and y'' at the end of a step, from its terms; rows: n times the maximum
+    of t - t^(n - 1) on [0, 1], and n (n - 1) times that of t - t^(n - 2), 0 below n =
+    3).
     """
-    n = np.arange(3.0, count)
+    n = np.arange(float(count))
+    factors = np.array([n, n * (n - 1.0)])
     m = np.maximum(np.array([n - 1.0, n - 2.0]), 1.0 + 1e-9)
-    errors = np.array([n, n * (n - 1.0)]) * m ** (-1.0 / (m - 1.0)) * (1.0 - 1.0 / m)
-    return errors[0].tolist(), errors[1].tolist()
+    errors = factors * m ** (-1.0 / (m - 1.0)) * (1.0 - 1.0 / m)
+    errors[:, :3] = 0.0
+    return factors, errors

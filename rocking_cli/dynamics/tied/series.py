@@ -314,11 +314,11 @@ def changed(numbers: Any, change: Callable[[Array], Any]) -> Any:
     return type(numbers)(*parts) if hasattr(numbers, "_fields") else tuple(parts)
 
 
-def one_turn(arc: TaylorSeries, left: Array, lines: bool) -> Step:
+def one_turn(arc: TaylorSeries, left: Array) -> Step:
     """The longest step of lanes, at most `left` [tau], that ends before the second turn
-    of their series; lines: True under straight lines.
+    of their series.
     """
-    h, terms, turns = one_turn_step(arc, left, lines)
+    h, terms, turns = one_turn_step(arc, left)
     outward = np.where(turns.outward, 1.0, -1.0)
     outward[turns.fastest == 0.0] = 0.0
     turn, at = np.full(h.size, np.nan), np.flatnonzero(turns.turns)

@@ -269,7 +269,7 @@ class TiedMarch:
             left = np.minimum(whole, self.free_fall.time_left(lanes))
         if arc is None or lanes.exact[0]:
             arc = self.law.flow(seg, lanes, row, now, lanes.exact)
-        step = one_turn(arc, left, self.law.of_lines)
+        step = one_turn(arc, left)
         touch, through = self.touch * lanes.peak, self.recorder is None
         ended = cut(step, now, low, high, touch, through)
         # A body that rounding alone lifts, at an extreme of the drive, does not move.

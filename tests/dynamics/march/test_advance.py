@@ -107,7 +107,7 @@ def test_a_step_turns_once_at_most_and_every_peak_is_found(equation, motion):
     segments, bodies = motion.segments, states(motion, equation, count, 21)
     result = advance(segments, bodies, equation)
     left = segments.left_of_piece(bodies.segment, bodies.phase) / bodies.omega
-    h, _, turns = one_turn_step(result.arc, left, segments.straight)
+    h, _, turns = one_turn_step(result.arc, left)
     assert np.all((h <= left) & (h <= result.arc.longest))
     np.testing.assert_array_equal(result.reach[~result.hit], h[~result.hit])
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.polynomial import polynomial
 
-from rocking_cli.dynamics.march.advance import one_turn, one_turn_of_lines
+from rocking_cli.dynamics.march.advance import one_turn, turns_by_signs
 from rocking_cli.dynamics.march.roots import (
     bernstein_form,
     fall_guess,
@@ -116,7 +116,7 @@ def test_the_only_turn_is_found_near_the_start_inside_and_at_the_end():
         for root in roots
     ]
     terms = padded(rows)
-    turns = one_turn(terms)
+    turns = turns_by_signs(terms)
     assert np.all(turns.outward)
     inside = roots < 1.0
     known = turns.turns & (turns.share == 1.0)
@@ -146,7 +146,7 @@ def test_bernstein_coefficients_are_those_of_the_polynomial():
     np.testing.assert_allclose(found.mean(axis=0), integral)
 
 
-@pytest.mark.parametrize("proof", [one_turn, one_turn_of_lines])
+@pytest.mark.parametrize("proof", [turns_by_signs, one_turn])
 @pytest.mark.parametrize("growth", [0.05, 0.5, 4.0])
 def test_a_part_with_one_turn_at_most_has_the_turns_that_are_said(proof, growth):
     """Polynomials that hardly bend, bend once, and turn several times: their roots by
@@ -186,7 +186,7 @@ def test_terms_of_zero_and_other_lanes_change_no_digit(lanes):
     fall[1] -= fall[0]
     long = np.concatenate([fall, np.zeros((6, lanes))])
     for one, other in (
-        (one_turn_of_lines(terms), one_turn_of_lines(more)),
+        (one_turn(terms), one_turn(more)),
         (fall_guess(fall), fall_guess(long)),
         (
             only_root(fall, *fall_guess(fall), speed=False),
@@ -196,9 +196,9 @@ def test_terms_of_zero_and_other_lanes_change_no_digit(lanes):
         for x, y in zip(one, other, strict=True):
             np.testing.assert_array_equal(x, y)
     last = terms[:, -1:]
-    for x, y in zip(one_turn_of_lines(terms), one_turn_of_lines(last), strict=True):
-        np.testing.assert_array_equal(x[-1:], y)
     for x, y in zip(one_turn(terms), one_turn(last), strict=True):
+        np.testing.assert_array_equal(x[-1:], y)
+    for x, y in zip(turns_by_signs(terms), turns_by_signs(last), strict=True):
         np.testing.assert_array_equal(x[-1:], y)
     alone = only_root(fall[:, -1:], *fall_guess(fall[:, -1:]), speed=False)
     np.testing.assert_array_equal(
