@@ -19,6 +19,7 @@ The condition is sqrt(yy) at the largest peak, in theta/alpha. Where two impacts
 each other at once M stays finite: no speed below `_SLOWEST` counts.
 """
 
+import math
 from typing import Any, Protocol
 
 import numpy as np
@@ -37,16 +38,21 @@ _STEP = 1e-6  # change of y for a derivative by differences
 ErrorMoments = tuple[Any, Any, Any]  # yy, yv and vv
 
 
-def along(
-    m: ErrorMoments, grow: Any, h: Any, rate: Any, lost: Any = 1.0
-) -> ErrorMoments:
+def along(m: ErrorMoments, h: float, slope: float, damping: float) -> ErrorMoments:
     """Return the moments after an arc of duration h [tau], which adds errors of one
-    unit in every unit of tau; grow: exp(rate h), rate: root of df/dy, lost: the part of
-    an error that damping leaves. Arrays or floats.
+    unit in every unit of tau; slope: df/dy on it.
     """
-    half, shrunk = 0.5 * h, 1.0 / grow
-    c, s = 0.5 * lost * (grow + shrunk), 0.5 * lost * (grow - shrunk)
-    yy, yv, vv = _by_flow((m[0] + half, m[1], m[2] + half), (c, s / rate, rate * s))
+    half, square = 0.5 * h, slope + damping * damping
+    lost = math.exp(-damping * h)
+    rate = math.sqrt(max(abs(square), STEEP))
+    if square < 0.0:
+        c, s = lost * math.cos(rate * h), lost * math.sin(rate * h)
+        flow = c, s / rate, -rate * s
+    else:
+        grow = math.exp(rate * h)
+        c, s = 0.5 * lost * (grow + 1.0 / grow), 0.5 * lost * (grow - 1.0 / grow)
+        flow = c, s / rate, rate * s
+    yy, yv, vv = _by_flow((m[0] + half, m[1], m[2] + half), flow)
     return yy + half, yv, vv + half
 
 
@@ -123,16 +129,16 @@ def rows(moments: Array) -> ErrorMoments:
     return moments[0], moments[1], moments[2]
 
 
-def in_tolerances(error: Array, stated: float) -> Array:
-    """Return a bound of the error of steps with these last terms, over the tolerance
-    that an equation states.
+def in_tolerances(error: Any, stated: float) -> Any:
+    """Return a bound of the error of steps with these last terms, arrays or floats,
+    over the tolerance that an equation states.
     """
     return (_SAFETY * error + _ROUNDING) / stated
 
 
-def sheared(m: ErrorMoments, jump: Array, v: Array) -> Array:
+def sheared(m: ErrorMoments, jump: Any, v: Any) -> Array:
     """Return the moments after a jump of the force at a place that bodies pass with the
-    velocity v.
+    velocity v; arrays or floats.
     """
     yy, yv, vv = m
     turn = jump * np.sign(v) / np.maximum(np.abs(v), _SLOWEST)

@@ -87,19 +87,19 @@ class Response(NamedTuple):
 WAYS = ("arrays", "floats")
 # Under a motion of more than LONG segments the march on arrays takes as long for a few
 # cells as that on floats for FEW: 40 to 100 by Eqs. 2.3 and 2.4, 15 to 30 by Eq. 3.4,
-# under records of 400, 1,559 and 7,999 samples; tied bodies up to 3, since
-# their events take as long alone as for many.
-LONG, _FEW, _FEW_COMPOSED, _FEW_TIED = 200, 60, 20, 3
+# under records of 400, 1,559 and 7,999 samples; 30 to 60 of tied bodies, whose events
+# take as long for one as for many: 10 to 40 of these under a pulse.
+LONG, _FEW, _FEW_COMPOSED, _FEW_TIED, _FEW_UNDER_PULSES = 200, 60, 20, 30, 8
 
 
 def few(system: System, segments: int) -> int:
     """Return the number of cells of one system up to which `response` takes less time
     on floats than on arrays, under a motion of so many segments.
     """
+    if system.devices is not None:
+        return _FEW_TIED if segments > LONG else _FEW_UNDER_PULSES
     if segments <= LONG:
         return 0
-    if system.devices is not None:
-        return _FEW_TIED
     return _FEW_COMPOSED if system.equation.composed else _FEW
 
 
@@ -144,8 +144,8 @@ def response(
         False computes the outcome only; theta_ratio is then NaN
     how
         "arrays" advances all cells together, "floats" one cell after the other, for a
-        system of one structure (see `cheaper`; of tied bodies, if they are few); both
-        keep the tolerance, and their digits beyond it differ
+        system of one structure (see `cheaper`); both keep the tolerance, and their
+        digits beyond it differ
     pool
         number of lanes advanced together, None for the default
 
@@ -185,15 +185,13 @@ def response(
             f"`how`: found {how!r}; expected"
             f" {' or '.join(WAYS)}{did_you_mean(how, WAYS)}"
         )
+    if how == "floats":
+        return _one_by_one(system, motion, cells, shape, peaks)
     if system.devices is not None:
         from .tied.tied_march import TiedMarch
 
-        batch = _batch(system, motion, cells, peaks)
-        alone = how == "floats" and cells[0].size <= few(system, batch.shaken)
-        march = TiedMarch(system.devices, batch, alone=alone)
+        march = TiedMarch(system.devices, _batch(system, motion, cells, peaks))
         return _response(march.run(), shape, peaks)
-    if how == "floats":
-        return _one_by_one(system, motion, cells, shape, peaks)
     # The peaks may prove that Fz > 0.
     peaks_wanted = peaks or bool(np.any(cells[0] > system.safe_amplitude(motion)))
     batch = _batch(system, motion, cells, peaks_wanted)
@@ -232,7 +230,8 @@ def _one_by_one(
         theta_ratio[failed] = again.theta_ratio
         condition[failed] = again.condition
 
-    doubtful = outcome == Outcome.ROCKED
+    # The march of bodies with ties watches their contact itself.
+    doubtful = (outcome == Outcome.ROCKED) & (system.devices is None)
     doubtful[failed] = False
     level = not system.equation.damping and motion.vertical is None
     alone = found.loses_contact if level else None

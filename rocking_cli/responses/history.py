@@ -13,7 +13,7 @@ import numpy as np
 from ..dynamics.batch import MAX_STEPS
 from ..dynamics.one.lane import Lane
 from ..dynamics.one.march import march
-from ..dynamics.one.state import Listener
+from ..dynamics.one.state import Ended, Listener
 from ..dynamics.outcome import FALLEN, LOST, Outcome
 from ..dynamics.system import System
 from ..errors import ArgumentError
@@ -98,15 +98,16 @@ def history(
             f" before tau = {LONGEST:g}"
         )
     duration = max(motion.duration / omega, duration)
-    if system.devices is not None:
-        from .tied_history import tied_history
-
-        return tied_history(system, motion, amplitude, omega, release, duration)
     segments = system.segments(motion.coarsest.still_until(1.001 * duration * omega))
-    return _MarchWriter(system, segments, omega).record(amplitude, release, duration)
+    kind: type[MarchWriter] = MarchWriter
+    if system.devices is not None:
+        from .tied_history import TiedWriter
+
+        kind = TiedWriter
+    return kind(system, segments, omega).record(amplitude, release, duration)
 
 
-class _MarchWriter(Writer, Listener):
+class MarchWriter(Writer, Listener):
     """Writes down the march of one body on floats."""
 
     visible = INVISIBLE
@@ -122,7 +123,7 @@ class _MarchWriter(Writer, Listener):
         """
         equation = self.equation.on(np.array([side]))
         return min(
-            float(np.min(equation.limit)),
+            self.lane.edge_of(side).limit,
             float(equation.displacement(np.array([FALLEN]))[0]),
         )
 
@@ -135,11 +136,15 @@ class _MarchWriter(Writer, Listener):
                 release=release,
                 most=MAX_STEPS + 40 * len(self.lane.segments),
             )
-            arcs = self.arcs()
-            if ended.outcome.overturned:
-                self._overturn(arcs)
-            if ended.outcome == Outcome.LOST_CONTACT and ended.lost is not None:
-                self._lose(arcs, ended.lost)
+            return self._history(ended, duration)
+
+    def _history(self, ended: Ended, duration: float) -> History:
+        """Return the history of a march that has ended so."""
+        arcs = self.arcs()
+        if ended.outcome.overturned:
+            self._overturn(arcs)
+        if ended.outcome == Outcome.LOST_CONTACT and ended.lost is not None:
+            self._lose(arcs, ended.lost)
         return self.history(
             arcs, duration, self._became(ended.outcome), ended.theta_ratio
         )
@@ -167,8 +172,11 @@ class _MarchWriter(Writer, Listener):
     ) -> None:
         self.add_arc(start, reach, side, pace, h, terms)
 
-    def note(self, tau: float, event: str, side: float, y: float, v: float) -> None:
-        self.add_event(tau, event, side, y, v, self.omega / self.lane.omega_of(side))
+    def note(
+        self, tau: float, event: str, side: float, y: float, v: float, device: str = ""
+    ) -> None:
+        pace = self.omega / self.lane.edge_of(side).omega
+        self.add_event(tau, event, side, y, v, pace, device)
 
     def _overturn(self, arcs: HistoryArcs) -> None:
         """Note the overturning at the last time at which the body passes y of

@@ -8,6 +8,9 @@ one structure under one motion.
                   most
     state         the state of the body, and its end (Lemmas 6 and 8)
     march         the march from event to event (Lemmas 1 and 7)
+    restraints    ties and a tendon on each branch of their force laws
+    held_state    the state of a body with restraints, and its end
+    held_march    its march, which ends steps at ends of branches too
     lost_contact  lost contact, along the arcs of a march
     one_by_one    outcomes and rotations of cells, one after the other
 

@@ -2,6 +2,7 @@
 on each.
 """
 
+import math
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -9,7 +10,7 @@ import numpy as np
 from ...motions.segments import Segments
 from ..batch import SETTLING
 from ..equations.equation import Equation
-from ..equations.taylor import LONGEST, size_limits
+from ..equations.taylor import GROWTH, LONGEST, size_limits
 from ..lanes import Cells, Lanes
 from ..system import System
 from .motion_lists import MotionLists
@@ -54,7 +55,9 @@ class Lane:
         self.shaken = len(segments)  # number of segments of the motion itself
         cells = system.contact.cells(system.equation, np.ones(1), self.omega)
         # no closed form of the free motion: march on over still ground
-        if system.equation.damping:
+        if system.devices is not None:
+            segments = segments.followed_by_rest(math.inf)
+        elif system.equation.damping:
             segments = segments.followed_by_rest(
                 SETTLING
                 * (1.0 + 3.0 * system.equation.damping)
@@ -65,6 +68,13 @@ class Lane:
         self.motion = MotionLists(segments)
         self.zeta = float(system.equation.damping)
         self.longest = float(np.max(segments.length[: min(self.shaken, _SAMPLED)]))
+        self.restraints = None  # ties and a tendon, None without them
+        ends = np.full(2, np.inf)  # y of the right and the left side at which they fail
+        if system.devices is not None:
+            from .restraints import Restraints
+
+            self.restraints = Restraints(system, segments, system.devices)
+            ends = system.devices.lever_ends()
         # The edges under A = 1. A body that comes back on the same side has one edge.
         self._unit = {1.0: self._edge(cells, 1.0)}
         if system.contact.alike:
@@ -72,6 +82,8 @@ class Lane:
             self._unit[-1.0] = right._replace(side=-1.0, drive=-right.drive)
         elif system.contact.left:
             self._unit[-1.0] = self._edge(cells, -1.0)
+        for (side, edge), end in zip(self._unit.items(), ends.tolist(), strict=False):
+            self._unit[side] = edge._replace(limit=min(edge.limit, end))
 
     def edges(self, amplitude: float) -> dict[float, LaneEdge]:
         """Return the edges, by the sign of their side, under a motion of this amplitude
@@ -106,13 +118,12 @@ class Lane:
             equation=self.system.equation.edge(side),
         )
 
-    def size_limits(self, omega: float) -> list[float]:
+    def size_limits(self, omega: float, growth: float = GROWTH) -> list[float]:
         """Return the largest sizes for which series of degree 3, 4 ... hold over the
-        longest line (`taylor.size_limits`).
+        longest line (`taylor.size_limits`); growth: rate of the motion [1/tau].
         """
-        return size_limits(
-            min(self.longest / omega, LONGEST), self.system.equation.tolerance
-        )
+        unit = min(self.longest / omega, LONGEST)
+        return size_limits(unit, self.system.equation.tolerance, growth)
 
     def lanes(self, cells: Cells, side: float) -> Lanes:
         """Return a lane for each cell on a side, at rest at the start of the motion."""
@@ -150,6 +161,6 @@ class Lane:
             + (u if k <= last else float(seg.length[last]))
         ) / float(self.omega[0])
 
-    def omega_of(self, side: float) -> float:
-        """omega_g over the p of a side."""
-        return self._unit.get(side, self._unit[1.0]).omega
+    def edge_of(self, side: float) -> LaneEdge:
+        """The edge of a side under A = 1."""
+        return self._unit.get(side, self._unit[1.0])

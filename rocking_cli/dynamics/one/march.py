@@ -8,15 +8,18 @@ end of a straight line, or of a piece of sinusoids, across whose peaks it goes.
 
 import math
 from bisect import bisect_left
+from collections.abc import Callable
+from typing import NamedTuple
 
 import numpy as np
 
 from ..condition import lifted_at_once, through_impact
 from ..contacts.lasting_bounces import too_many_impacts
-from ..contacts.sequences import BELOW_ROUNDING, STILL
+from ..contacts.sequences import BELOW_ROUNDING
 from ..drive import place
 from ..equations.recurrence import motion_terms
 from ..equations.taylor import LONGEST, MOST_TERMS, RECIPROCALS
+from ..lanes import Lanes
 from ..outcome import Outcome
 from .lane import Lane, LaneEdge
 from .state import Ended, Listener, MarchState
@@ -59,18 +62,28 @@ def march(
     peaks: True if the largest rotation is wanted; most: number of steps and of impacts
     beyond which the outcome is FAILED.
     """
-    return _March(lane, amplitude, peaks, listener, most).run(release)
+    kind: type[March] = March
+    if lane.restraints is not None:
+        from .held_march import HeldMarch
+
+        kind = HeldMarch
+    return kind(lane, amplitude, peaks, listener, most).run(release)
 
 
-class _March(MarchState):
+class Stop(NamedTuple):
+    """An event that ends a step."""
+
+    at: float  # its x in the step, from 0 to 1
+    y: float  # displacement there
+    event: Callable[[float], None]  # applies the event, with the velocity there
+
+
+class March(MarchState):
     """The march of one body, from event to event."""
 
     def run(self, release: float) -> Ended:
         if release:
-            first = self.equation.on(np.ones(1))
-            self.y = float(first.displacement(np.array([release]))[0])
-            self.peak = max(self.peak, self.y)
-            self._note("release", self.y, 0.0)
+            self._release(release)
         else:
             self._lift(first=True)
         while self.end is None:
@@ -88,8 +101,15 @@ class _March(MarchState):
                     self._finish(Outcome.FAILED)
         return self.end
 
+    def _release(self, release: float) -> None:
+        """Put the body on its right side at theta/alpha = release."""
+        first = self.equation.on(np.ones(1))
+        self.y = float(first.displacement(np.array([release]))[0])
+        self.peak = max(self.peak, self.y)
+        self._note("release", self.y, 0.0)
+
     def _step(self) -> None:
-        """Take one step, to its end or to an impact in it."""
+        """Take one step, to its end or to an event in it."""
         edge, block = self.edge, self.motion.at(self.segment)
         left = whole = (
             block.ahead[self.segment - block.first] - self.phase
@@ -99,7 +119,7 @@ class _March(MarchState):
             if left <= _INSTANT:
                 self._fall_freely()
                 return
-        terms, h = self._held_series(left)
+        terms, h = self._series(left)
         y, speed = end_of(terms)
         if not math.isfinite(speed) or h < min(left, _SHORTEST):
             self._finish(Outcome.FAILED)
@@ -119,26 +139,27 @@ class _March(MarchState):
             self._lift()
             return
 
-        hit = self._hit(terms, h, y, outward, turns)
-        reach = h if hit is None else hit * h
+        stop = self._stop(terms, h, y, outward, turns)
+        reach = h if stop is None else stop.at * h
         self._keep(reach, h, terms)
         if reach == whole:
             self.segment, self.phase = block.after[self.segment - block.first], 0.0
         else:
             self._go(reach * edge.omega)
-        v = speed / h if hit is None else min(value(terms, hit, h)[1], 0.0)
+        v = speed / h if stop is None else value(terms, stop.at, h)[1]
+        if stop is not None:
+            y = stop.y
         if self.carries:
             if reach > _SLOWLY:
                 self._carry_along(terms, h, reach)
                 reach = math.fmod(reach, _SLOWLY)
-            self._carry_on(y if hit is None else 0.0, v, reach, _WAITS)
-        if hit is None:
-            self.y, self.v, self.force = y, v, None
-            if self.end is None:
-                self._test_overturning()
-        else:
-            self._carry_on(0.0, v, 0.0)
-            self._impact(v)
+            self._carry_on(y, v, reach, _WAITS)
+        self.y, self.v, self.force = y, v, None
+        if stop is not None:
+            self._carry_on(y, v, 0.0)
+            stop.event(v)
+        elif self.end is None:
+            self._test_overturning()
 
     def _carry_along(self, terms: list[float], h: float, reach: float) -> None:
         """Carry the moments over the part `reach` [tau] of a long step, in parts over
@@ -147,12 +168,13 @@ class _March(MarchState):
         for i in range(1, int(reach / _SLOWLY) + 1):
             self._carry_on(*value(terms, i * _SLOWLY / h, h), _SLOWLY, _WAITS)
 
-    def _held_series(self, left: float) -> tuple[list[float], float]:
+    def _series(self, left: float) -> tuple[list[float], float]:
         """(terms over a step as long as the series holds, at most `left`; its length
         [tau]).
         """
-        equation, straight = self.edge.equation, self.motion.straight
+        equation, straight = self.law, self.motion.straight
         drive, weight, unit, degree = self._line(left) if straight else self._waves()
+        self.weight = weight
         if equation.composed:
             degree = min(degree, equation.composed)
         if self.factors_of != (unit, degree):  # most steps have those of the one before
@@ -190,18 +212,24 @@ class _March(MarchState):
         over, part = self.phase / length, unit * edge.omega / length
         gain, weight = edge.drive * block.rise[i], None
         drive = [edge.drive * block.start[i] + gain * over, gain * part]
-        size = 2.0 + abs(self.v) + abs(drive[0]) + abs(drive[1]) / unit
+        shaking = 2.0 + abs(drive[0]) + abs(drive[1]) / unit
         if block.up:
             gain = edge.sway * block.up_rise[i]
             weight = [1.0 + edge.sway * block.up[i] + gain * over, gain * part]
-            size += abs(weight[0]) + abs(weight[1]) / unit
-        return drive, weight, unit, 3 + bisect_left(self.limits[edge.side], size)
+            shaking += abs(weight[0]) + abs(weight[1]) / unit
+        return drive, weight, unit, self._degree(shaking)
+
+    def _degree(self, shaking: float) -> int:
+        """The degree that a series along a straight line needs; shaking: size of the
+        acceleration without that of the body.
+        """
+        return 3 + bisect_left(self.limits[self.edge.side], shaking + abs(self.v))
 
     def _waves(self) -> tuple[list[float], list[float] | None, float, int]:
         """As `_line`, along a piece of sinusoids."""
         edge, weight = self.edge, None
         waves = self.motion.waves(self.segment)
-        unit = 1.0 / (1.0 + edge.omega * max(wave.fastest for wave in waves))
+        unit = 1.0 / (self.rate + edge.omega * max(wave.fastest for wave in waves))
         drive, *up = (
             wave.terms(self.phase, unit * edge.omega, MOST_TERMS - 1) for wave in waves
         )
@@ -212,6 +240,15 @@ class _March(MarchState):
             weight = [edge.sway * x for x in up[0]]
             weight[0] = 1.0 + edge.sway * rise
         return drive, weight, unit, MOST_TERMS
+
+    def _stop(
+        self, terms: list[float], h: float, y: float, outward: bool, turns: bool
+    ) -> Stop | None:
+        """The event that ends a step with this y at its end, the only impact in it;
+        None without one. A peak in the step is recorded.
+        """
+        hit = self._hit(terms, h, y, outward, turns)
+        return None if hit is None else Stop(hit, 0.0, self._impact)
 
     def _hit(
         self, terms: list[float], h: float, y: float, outward: bool, turns: bool
@@ -225,7 +262,12 @@ class _March(MarchState):
             if not self._matters(max(terms[0], y) + bulge(terms)):
                 return after_turn(terms) if y <= 0.0 else None
             turn = turn_of(terms)
-            self._pass_peak(turn * h, value(terms, turn)[0])
+            top = value(terms, turn)[0]
+            self._record_peak(turn * h, top)
+            if top >= self.edge.limit:  # it lies on its side
+                self._finish(self._overturned())
+            else:
+                self._note("peak", top, 0.0, turn * h * self.edge.omega)
             return root(terms, turn, 1.0, 2.0 * turn) if y <= 0.0 else None
         if min(terms[0], y) > bulge(terms):
             return None
@@ -240,17 +282,13 @@ class _March(MarchState):
             or (self.watched and self._onto_first(highest) > self.peak)
         )
 
-    def _pass_peak(self, t: float, y: float) -> None:
+    def _record_peak(self, t: float, y: float) -> None:
         """Record a peak t [tau of the side] after the present instant."""
         top = self._onto_first(y)
         if self.carries and top >= self.peak:
             self._at_peak(self._moments_at(y, 0.0, t)[0], y)
         if self.watched:
             self.peak = max(self.peak, top)
-        if y >= self.edge.limit:  # it lies on its side
-            self._finish(self._overturned())
-        else:
-            self._note("peak", y, 0.0, t * self.edge.omega)
 
     def _go(self, phase: float) -> None:
         """Go on by a phase [rad] within the piece, or to the start of the next one."""
@@ -266,22 +304,24 @@ class _March(MarchState):
         self.segment, self.phase = k, u
 
     def _impact(self, v: float) -> None:
-        """Apply an impact with velocity v <= 0 by the rule of the contact."""
-        edge = self.edge
+        """Apply an impact with velocity v by the rule of the contact."""
+        edge, v = self.edge, min(v, 0.0)
         self._note("impact", 0.0, v)
         if self.segment < self.lane.shaken and not self.ending:
             self.impacts += 1
         self.bounced = True
+        force = self._at_ground(edge)
         # A one-sided body has one edge and comes back onto it.
         to = self.edges.get(-edge.side, edge)
-        self.edge, self.y, self.v = to, 0.0, -edge.speed_ratio * v
-        fall = 1.0 - self._net(to, self.segment, self.phase)
-        self.force = -fall
+        self.y, self.v = 0.0, -edge.speed_ratio * v
+        self._onto(to)
+        self.force = self._at_ground(to)
+        fall = -self.force
         if self.carries:
             drag = 2.0 * self.lane.zeta
             self.moments = through_impact(
                 self.moments,
-                (v, self._net(edge, self.segment, self.phase) - 1.0 - drag * v),
+                (v, force - drag * v),
                 (self.v, self.force - drag * self.v),
                 edge.omega / to.omega,
             )
@@ -308,14 +348,19 @@ class _March(MarchState):
         """True if the bounces are proved to end in rest before any other event, and
         need not be shown (Lemma 7).
         """
-        if self.v >= STILL and not self._slow_enough(edge, fall):
+        if self.v >= self.still and not self._slow_enough(edge, fall):
             return False
         lanes = self._lanes()
-        ends = (
-            self.v < STILL
-            or self.contact.sequence_ends(self.segments, lanes, self.equation)[0]
-        )
-        return bool(ends) and (self.listener is None or self.listener.may_rest(lanes))
+        ends = self.v < self.still or self._sequence_ends(lanes)
+        return ends and (self.listener is None or self.listener.may_rest(lanes))
+
+    def _sequence_ends(self, lanes: Lanes) -> bool:
+        """True if Lemma 7 proves that the bounces end in rest."""
+        return bool(self.contact.sequence_ends(self.segments, lanes, self.equation)[0])
+
+    def _sequence_time(self, lanes: Lanes) -> float:
+        """How long the bounces last [tau of the side]."""
+        return float(self.contact.sequence_time(self.segments, lanes)[0])
 
     def _slow_enough(self, edge: LaneEdge, fall: float) -> bool:
         """The part of the test of Lemma 7 that needs no arrays: False if the lemma
@@ -334,7 +379,7 @@ class _March(MarchState):
         # lemma tries no shorter duration.
         lasts, there = 1.0 / fall, self.edges.get(-edge.side)
         if there is not None:
-            beyond = 1.0 - self._net(there, self.segment, self.phase)
+            beyond = -self._at_ground(there)
             if beyond <= 0.0:
                 return False
             lasts += edge.speed_ratio * there.omega / (edge.omega * beyond)
@@ -346,10 +391,9 @@ class _March(MarchState):
         """Let the body rest, and go to the next uplift."""
         rest = 0.0
         if self.listener is not None:
-            lanes = self._lanes()
-            lasts = self.contact.sequence_time(self.segments, lanes)
             pace = self.edge.omega / float(self.lane.omega[0])
-            rest = self.lane.tau(self.segment, self.phase) + float(lasts[0]) * pace
+            lasts = self._sequence_time(self._lanes()) * pace
+            rest = self.lane.tau(self.segment, self.phase) + lasts
         self.ending = 0.0
         self._lift(rest=rest)
 
@@ -359,7 +403,7 @@ class _March(MarchState):
         """
         at = np.array([self.segment]), np.array([self.phase])
         lift = self.contact.uplift(
-            self.cells, self.segments, np.zeros(1, dtype=np.int64), *at
+            self._lifted(), self.segments, np.zeros(1, dtype=np.int64), *at
         )
         k, u = place(self.segments, lift.segment, lift.phase)
         left, force = (self.force, self.edge.omega), float(lift.force[0])
@@ -371,8 +415,8 @@ class _March(MarchState):
         if self.listener is not None:
             tau = self.lane.tau(self.segment, self.phase)
             if rest < math.inf and (not lifts or tau > rest):
-                self.listener.note(rest, "rest", 1.0, 0.0, 0.0)
-        self.edge = self.edges.get(float(lift.side[0]), self.edge)
+                self._note_rest(rest)
+        self._onto(self.edges.get(float(lift.side[0]), self.edge))
         vv = self.moments[2]
         if at_once:
             vv = float(lifted_at_once(vv, left, (force, self.edge.omega)))
@@ -394,6 +438,7 @@ class _March(MarchState):
         if (
             self.segment >= self.lane.shaken
             or self.lane.zeta
+            or self.lane.restraints is not None
             or not self.contact.alike
             or self.segments.weighed is not None
         ):

@@ -2,16 +2,24 @@
 
 import math
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from ...arrays import Array
 from ..batch import FreeFall
-from ..condition import STEEP, ErrorMoments, along, at_free_peak, slope_between
+from ..condition import ErrorMoments, along, at_free_peak, slope_between
+from ..contacts.sequences import STILL
 from ..equations.taylor import WITHIN
-from ..lanes import Lanes
+from ..lanes import Cells, Lanes
 from ..outcome import FALLEN, Outcome
 from .lane import Lane, LaneEdge
+
+if TYPE_CHECKING:
+    from ..tied.tied_lanes import TiedLanes
+
+
+_STANDS = (Outcome.ROCKED, Outcome.LEANING)
 
 
 class Ended(NamedTuple):
@@ -24,6 +32,8 @@ class Ended(NamedTuple):
     lost: float | None = None
     # condition of the largest rotation, where it is carried
     condition: float = math.nan
+    # the ties and the tendon of the body at its end, None without them
+    restraints: "TiedLanes | None" = None
 
 
 class Listener:
@@ -51,8 +61,13 @@ class Listener:
         tau of the side over tau, and its terms over a step h.
         """
 
-    def note(self, tau: float, event: str, side: float, y: float, v: float) -> None:
-        """Called with each event."""
+    def note(
+        self, tau: float, event: str, side: float, y: float, v: float, device: str = ""
+    ) -> None:
+        """Called with each event; device: the tie or tendon whose event it is."""
+
+    def hold(self, law: "LawOfDevices") -> None:
+        """Called where the force laws of ties and a tendon change."""
 
     def may_rest(self, lanes: Lanes) -> bool:
         """False where the body must bounce on instead of resting at once."""
@@ -62,11 +77,26 @@ class Listener:
         """Called where an undamped body is left on still ground."""
 
 
+class LawOfDevices(NamedTuple):
+    """The force laws of ties and a tendon from an instant on."""
+
+    tau: float  # the instant [tau]
+    row: int  # index of the side, as in `Devices`
+    fixed: Array  # force at e = 0 [N], (devices,)
+    rate: Array  # growth of the force with e [N/m], (devices,)
+    # forces with which the devices hold the body at the ground against each side [N],
+    # (sides, devices)
+    held: Array
+
+
 class MarchState:
     """The state of a march: segment k and phase u in it, the edge the body is on, y and
     y', the force if it is known to more digits than the drive tells, and the largest y
     so far in the unit of the first side.
     """
+
+    still = STILL  # speed that counts as zero after an impact
+    rate = 1.0  # rate of the fastest change of the body on still ground [1/tau]
 
     def __init__(
         self,
@@ -106,6 +136,8 @@ class MarchState:
         self.least = WITHIN * self.equation.tolerance
         self.factors: list[float] = []  # factors of the last series ...
         self.factors_of = (0.0, 0)  # ... and their (unit, degree)
+        # terms of the weight over m g in that step, None for 1
+        self.weight: list[float] | None = None
         # largest sizes for which series of degree 3, 4 ... hold, by side
         self.limits = (
             {side: lane.size_limits(edge.omega) for side, edge in self.edges.items()}
@@ -229,15 +261,30 @@ class MarchState:
         lanes.moments = np.array([[*self.moments, self.peak_moment]]).T
         return lanes
 
+    @property
+    def law(self) -> Any:
+        """The equation of motion on this arc, with numbers that are floats."""
+        return self.edge.equation
+
+    def _at_ground(self, edge: LaneEdge) -> float:
+        """y'' + 2 zeta y' of the body at the ground, on this edge."""
+        return self._net(edge, self.segment, self.phase) - 1.0
+
+    def _lifted(self) -> Cells:
+        """The drive of the body, over what lifts it from rest."""
+        return self.cells
+
+    def _onto(self, edge: LaneEdge) -> None:
+        """Put the body that is at the ground on this edge."""
+        self.edge = edge
+
     def _moments_at(self, y: float, v: float, t: float) -> ErrorMoments:
         """The moments at a state (y, v) on this arc, t [tau] after the present one."""
         y0, v0, since = self.carried
-        h, zeta = since + t, self.lane.zeta
-        slope = slope_between(self.edge.equation, (y0, v0), (y, v), h)
+        slope = slope_between(self.law, (y0, v0), (y, v), since + t)
         if not isinstance(slope, float):
             slope = float(np.ravel(slope)[0])
-        rate = math.sqrt(max(slope, STEEP) + zeta * zeta)
-        return along(self.moments, math.exp(rate * h), h, rate, math.exp(-zeta * h))
+        return along(self.moments, since + t, slope, self.lane.zeta)
 
     def _carry_on(self, y: float, v: float, t: float, least: float = 0.0) -> None:
         """Carry the moments on to a state (y, v), t [tau] after the present one, if
@@ -296,13 +343,20 @@ class MarchState:
                 terms,
             )
 
-    def _note(self, event: str, y: float, v: float, ahead: float = 0.0) -> None:
+    def _note(
+        self, event: str, y: float, v: float, ahead: float = 0.0, device: str = ""
+    ) -> None:
         """Show an event to the listener, if there is one; ahead: phase from the present
         instant on [rad].
         """
         if self.listener is not None and not self.ending:
             tau = self.lane.tau(self.segment, self.phase + ahead)
-            self.listener.note(tau, event, self.edge.side, y, v)
+            self.listener.note(tau, event, self.edge.side, y, v, device)
+
+    def _note_rest(self, tau: float) -> None:
+        """Show a rest, which begins at tau, to the listener."""
+        assert self.listener is not None
+        self.listener.note(tau, "rest", 1.0, 0.0, 0.0)
 
     def _finish(self, outcome: Outcome) -> Ended:
         """End the march with this outcome. A body that would rock where the ground
@@ -311,11 +365,11 @@ class MarchState:
         ratio = math.nan
         if outcome == Outcome.NO_UPLIFT:
             ratio = 0.0
-        elif outcome == Outcome.ROCKED and self.watched:
+        elif outcome in _STANDS and self.watched:
             first = self.equation.on(np.ones(1))
             ratio = float(np.ravel(first.rotation(np.array([self.peak])))[0])
         if (
-            outcome == Outcome.ROCKED
+            outcome in _STANDS
             and self.free_fall is not None
             and self.free_fall.occurs[0]
         ):

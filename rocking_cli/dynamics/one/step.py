@@ -14,10 +14,10 @@ from ..equations.taylor import MOST_TERMS
 from ..march.roots import from_powers
 
 _HALVINGS = 40  # two turns closer than 1e-12 of a step count as none
-_NUMBERS = [float(n) for n in range(MOST_TERMS + 1)]
+NUMBERS = [float(n) for n in range(MOST_TERMS + 1)]
 # n (n - 1), of the terms of h^2 y''; an eighth of it, and so on: by so much of term n
 # at most do y, h y' and h^2 y'' leave their chords
-_BENDS = [float(n * (n - 1)) for n in range(MOST_TERMS + 1)]
+BENDS = [float(n * (n - 1)) for n in range(MOST_TERMS + 1)]
 _CHORD_OF_Y = [0.125 * n * (n - 1) for n in range(MOST_TERMS + 1)]
 _CHORD_OF_V = [0.125 * n * (n - 1) * (n - 2) for n in range(MOST_TERMS + 1)]
 _CHORD_OF_BEND = [
@@ -38,7 +38,7 @@ def value(terms: Sequence[Any], x: Any, h: float = 1.0) -> tuple[Any, Any]:
 
 def end_of(terms: list[float]) -> tuple[float, float]:
     """(y, h y') at the end of a step."""
-    return sum(terms), sum(map(mul, _NUMBERS, terms))
+    return sum(terms), sum(map(mul, NUMBERS, terms))
 
 
 def bulge(terms: list[float]) -> float:
@@ -69,7 +69,7 @@ def one_turn(terms: list[float]) -> tuple[float, bool, bool]:
     then moves outwards first, True if it turns).
     """
     # The chord of h^2 y'' proves that y' only rises, or only falls.
-    start, first, bend = terms[1], 2.0 * terms[2], sum(map(mul, _BENDS, terms))
+    start, first, bend = terms[1], 2.0 * terms[2], sum(map(mul, BENDS, terms))
     error = sum(map(mul, _CHORD_OF_BEND, map(abs, terms)))
     if (first > error and bend > error) or (first < -error and bend < -error):
         outward = start > 0.0 or (start == 0.0 and first > 0.0)
@@ -77,7 +77,7 @@ def one_turn(terms: list[float]) -> tuple[float, bool, bool]:
         return 1.0, outward, outward != (speed > 0.0) and speed != 0.0
 
     # The Bernstein coefficients of y' on the share change their sign at least as often.
-    rate, share = list(map(mul, _NUMBERS[1:], terms[1:])), 1.0
+    rate, share = list(map(mul, NUMBERS[1:], terms[1:])), 1.0
     for _ in range(_HALVINGS):
         signs = [b > 0.0 for b in (from_powers(len(rate)) @ rate).tolist() if b]
         changes = sum(a != b for a, b in pairwise(signs))
@@ -90,7 +90,7 @@ def one_turn(terms: list[float]) -> tuple[float, bool, bool]:
 
 def turn_of(terms: list[float]) -> float:
     """The only x from 0 to 1 at which y' changes its sign."""
-    rate = list(map(mul, _NUMBERS[1:], terms[1:]))
+    rate = list(map(mul, NUMBERS[1:], terms[1:]))
     return root(rate, 0.0, 1.0, -rate[0] / rate[1] if rate[1] else 0.5)
 
 

@@ -1,5 +1,5 @@
 """Bodies with ties and a tendon: a separate march, which follows each restraint along
-the branches of its force-elongation law.
+the branches of its force-elongation law. One body alone goes by `one.held_march`.
 
 A device is a tie on one side, or the tendon. A lane is one cell in arrays, (lanes,), at
 the displacement y >= 0 on its side, with v = dy/dtau, tau = p t, at the phase u since
@@ -18,7 +18,7 @@ body, and a body from which the ground falls away has lost contact, whatever hol
     tied_lanes  the data of the march: lanes, ends of steps, results
     transitions  restraints from branch to branch: engagement, yield, unloading, slack,
                 rupture
-    whole_lines  lines of a record along which nothing happens, as arrays or on floats
+    whole_lines  lines of a record along which nothing happens
     cuts        where events end steps
     tied_march  from event to event: transitions, impact, rest, overturning
 

@@ -18,11 +18,9 @@ def cut(
     low: Array,
     high: Array,
     touch: Array,
-    through_peaks: bool,
 ) -> CutStep:
     """Cut steps where an event ends them: at an end (low, high) of the branch, or at a
-    peak where a restraint yields; touch: the largest |y| of a touch; through_peaks:
-    False to end every step at a peak.
+    peak where a restraint yields; touch: the largest |y| of a touch.
     """
     arc, turns = step.arc, np.flatnonzero(step.turn > 0.0)
     reach, y, v = step.h.copy(), step.end.y.copy(), step.end.v.copy()
@@ -43,7 +41,7 @@ def cut(
     # A peak at which nothing yields ends no branch: such a step goes on to its end.
     peaked = np.zeros(y.size, dtype=bool)
     peaked[turns] = (step.outward[turns] > 0.0) & ~up[turns]
-    through = peaked & ~now.yields & through_peaks
+    through = peaked & ~now.yields
     reach[through] = step.h[through]
     y[through] = step.end.y[through]
     v[through] = step.end.v[through]

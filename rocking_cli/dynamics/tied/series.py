@@ -201,7 +201,7 @@ class CircularMoment(NamedTuple):
         """As `LinearMoment.along`."""
         assert push is not None
         _, by_free, by_push, rho, u_by_free, u_by_push, _ = self
-        stretched, turned, twice = bool(np.any(rho)), new(), 2.0 * rho
+        stretched, turned, twice = np.any(rho), new(), 2.0 * rho
         half = None if self.half is None else self._half_angle(y, new)
 
         def pulled(n: int) -> Any:
@@ -256,6 +256,8 @@ class HeldBody:
     """The equation of lanes, or of one body on floats, while their restraints keep
     their branches: that of the free body, and the moment of its devices.
     """
+
+    composed = None  # as of `Equation`
 
     def __init__(
         self, equation: Equation, moment: LinearMoment | CircularMoment

@@ -1,16 +1,13 @@
-"""The data of the march of tied bodies: its lanes, the ends of steps, a recorder of one
-body, and the results.
-"""
+"""The data of the march of tied bodies: its lanes, the ends of steps, the results."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import NamedTuple, Protocol, Self
+from typing import NamedTuple, Self
 
 import numpy as np
 
 from ...arrays import Array
-from ..equations.taylor import TaylorSeries
 from ..lanes import Lanes
 from ..outcome import Work
 from .devices import Branch
@@ -104,43 +101,6 @@ class StepEnds(NamedTuple):
     bottom: Array  # True if the body turns outwards again
     top: Array  # y of the peak, in the unit of the side
     still: Array  # True if the shaking is over
-
-
-class Recorder(Protocol):
-    """Records the march of one body."""
-
-    until: float  # phase of the motion up to which the march is recorded [rad]
-    visible: float  # speed |y'| down to which each bounce is recorded
-
-    def keep(
-        self, lanes: TiedLanes, arc: TaylorSeries, reach: float, now: Branch
-    ) -> None:
-        """Record an arc that lasts `reach` [tau] from the state of the lanes, with the
-        force law of the devices on it.
-        """
-
-    def note(
-        self, lanes: Lanes, event: str, y: float, v: float, device: str = ""
-    ) -> None:
-        """Record an event at the present position of the lanes in the motion."""
-
-    def rest(self, before: TiedLanes, after: TiedLanes, bounces: float) -> None:
-        """Record a rest until the next uplift, after `bounces` [tau] of bouncing that
-        follow an impact.
-        """
-
-
-def note(
-    recorder: Recorder | None,
-    lanes: Lanes,
-    event: str,
-    y: Array,
-    v: Array,
-    device: str = "",
-) -> None:
-    """Record an event of the first lane at y and y', if there is a recorder."""
-    if recorder is not None:
-        recorder.note(lanes, event, float(y[0]), float(v[0]), device)
 
 
 @dataclass(frozen=True)

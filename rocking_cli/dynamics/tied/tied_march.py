@@ -35,8 +35,6 @@ count anew.
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 
 from ...arrays import Array
@@ -44,17 +42,16 @@ from ..batch import Batch
 from ..condition import rows, through_impact
 from ..contacts.contact import OneSided
 from ..drive import place
-from ..equations.taylor import TaylorSeries
-from ..lanes import Cells, Lanes
+from ..lanes import Cells
 from ..observers.observer import Arcs, Observer
-from ..outcome import FALLEN, LOST, Outcome
+from ..outcome import FALLEN, Outcome
 from .bounces import Bounces
 from .carried import carry_step, carry_through_break, keep_yield_error
 from .contact_watch import ContactWatch, Steps
 from .cuts import cut
 from .devices import Branch, Devices
 from .series import HeldBody, Law, Step, one_turn
-from .tied_lanes import CutStep, Found, OnBranch, Recorder, StepEnds, TiedLanes, note
+from .tied_lanes import CutStep, Found, OnBranch, StepEnds, TiedLanes
 from .transitions import Transitions
 from .whole_lines import LEAST_LINES, WholeLines
 
@@ -62,28 +59,21 @@ from .whole_lines import LEAST_LINES, WholeLines
 # by far less than rounding
 _STILL = 1e-20
 _TOGETHER = 8192  # lanes
+_DOUBTFUL = 1.0  # y beyond which the march tests whether a body can come back
 # largest |y| of a touch over the peak: this part of the tolerance of y, or rounding
 _TOUCH, _ROUNDING = 1e-2, 1e-13
 
 
 class TiedMarch:
-    """The march of a batch of cells of one body with these devices; recorder: stores
-    the history of a single cell; alone: True to march one cell after the other, along
-    records on floats; speed: finds the largest speeds.
+    """The march of a batch of cells of one body with these devices; speed: finds the
+    largest speeds.
     """
 
-    def __init__(
-        self,
-        devices: Devices,
-        batch: Batch,
-        recorder: Recorder | None = None,
-        alone: bool = False,
-        speed: Observer | None = None,
-    ):
+    def __init__(self, devices: Devices, batch: Batch, speed: Observer | None = None):
         self.equation, self.contact = batch.equation, batch.contact
         self.cells, self.segments = batch.cells, batch.segments
         self.shaken, self.free_fall = batch.shaken, batch.free_fall
-        self.devices, self.recorder, self.speed = devices, recorder, speed
+        self.devices, self.speed = devices, speed
         self.one_sided = isinstance(self.contact, OneSided)
         # bits of `turned` to the second turn on a side, and all bits that it needs
         again = self.equation.damping and self.devices.body is not None
@@ -101,35 +91,26 @@ class TiedMarch:
             if self.devices.body is None
             else ContactWatch(self.devices, self.devices.body)
         )
-        self.transitions = Transitions(self.devices, recorder)
+        self.transitions = Transitions(self.devices)
         self.bounces = Bounces(self.devices, self.contact, self.equation, self.segments)
-        # y beyond which the march tests whether a body can come back
-        self.doubtful = 1.0
-        if recorder is not None:
-            self.doubtful = float(
-                np.max(self.equation.on(sides).displacement(np.full(2, FALLEN)))
-            )
         # the lines of a record, None under another motion
         self.lines = None
         if of_lines and self.segments.weighed is None and speed is None:
             self.lines = WholeLines(
-                self.equation, self.devices, self.segments, self.shaken, recorder
+                self.equation, self.devices, self.segments, self.shaken
             )
-        self.together = 1 if alone or recorder is not None else _TOGETHER
         self.touch = max(_ROUNDING, _TOUCH * self.equation.tolerance)
         self.most = batch.most_steps  # steps beyond which a lane fails
         self.found = Found.empty((*self.devices.stiffness.shape, batch.size))
 
-    def run(self, release: float = 0.0) -> Found:
-        """March all cells to their ends, from rest or released to the right from
-        theta/alpha = release; returns their results.
-        """
+    def run(self) -> Found:
+        """March all cells from rest to their ends; returns their results."""
         with np.errstate(all="ignore"):
             waiting = np.arange(self.found.outcome.size)
-            lanes = self._begin(waiting[:0], 0.0)
+            lanes = self._begin(waiting[:0])
             while waiting.size or lanes.cell.size:
-                if room := min(waiting.size, self.together - lanes.cell.size):
-                    lanes = lanes.join(self._begin(waiting[:room], release))
+                if room := min(waiting.size, _TOGETHER - lanes.cell.size):
+                    lanes = lanes.join(self._begin(waiting[:room]))
                     waiting = waiting[room:]
                 if not lanes.cell.size:
                     continue
@@ -142,28 +123,15 @@ class TiedMarch:
     def _of(self, numbers: Array, row: Array) -> Array:
         return numbers[row, :, np.arange(row.size)].T
 
-    def _begin(self, cell: Array, release: float) -> TiedLanes:
-        """Return new lanes for these cells, at their first uplift or released from
-        theta/alpha = release.
-        """
+    def _begin(self, cell: Array) -> TiedLanes:
+        """Return new lanes for these cells, at their first uplift."""
         shape = (*self.devices.stiffness.shape, cell.size)
         amplitude, omega, eta = (
             np.broadcast_to(x, self.cells.omega.shape)[0, cell].copy()
             for x in self.cells
         )
         lanes = TiedLanes.at_rest(cell, amplitude, omega, eta, shape)
-        if release:
-            lanes.y[:] = self.equation.on(np.ones(cell.size)).displacement(
-                np.full(cell.size, release)
-            )
-            lanes.peak[:] = lanes.y
-            self.transitions.release(lanes)
-            self._note(lanes, "release", lanes.y, lanes.v)
-            return lanes
         return self._from_rest(lanes, np.arange(cell.size), first=True)
-
-    def _note(self, lanes: Lanes, event: str, y: Array, v: Array) -> None:
-        note(self.recorder, lanes, event, y, v)
 
     def _from_rest(self, lanes: TiedLanes, at: Array, first: bool = False) -> TiedLanes:
         """Move lanes that rest to their next uplift; finish those that never lift off
@@ -173,11 +141,6 @@ class TiedMarch:
             return lanes
         resting = lanes.take(at)
         ratios = self.bounces.uplift_ratios(resting)
-        bounces = (
-            0.0
-            if self.recorder is None or first
-            else float(self.bounces.time(resting)[0])
-        )
         # The devices hold the body at rest as a larger amplitude of uplift would.
         drive = np.broadcast_to(
             self.cells.amplitude[:, resting.cell], (len(self.cells.amplitude), at.size)
@@ -203,11 +166,6 @@ class TiedMarch:
         lanes.exact[at] = (again.force == 0.0) & ~moved
         self.transitions.leave(lanes, at)
         ended = k >= self.shaken
-        if self.recorder is not None:
-            if not first:
-                self.recorder.rest(resting, lanes, bounces)
-            elif not ended[0]:
-                self._note(lanes, "uplift", lanes.y, lanes.v)
         lanes.rests[at] = False
         outcome = np.zeros(lanes.cell.size, dtype=np.int64)
         outcome[at[ended]] = Outcome.NO_UPLIFT if first else Outcome.ROCKED
@@ -245,21 +203,16 @@ class TiedMarch:
         """
         branch = self._branch(lanes)
         # `_certain` is asked on the last branch only.
-        top = np.where(branch.high >= self.limit[branch.row], self.doubtful, np.inf)
-        if self.together == 1:
-            arc = lines.follow_one(lanes, branch, top)
-            return self._round(lanes, branch, arc)
+        top = np.where(branch.high >= self.limit[branch.row], _DOUBTFUL, np.inf)
         on = lines.follow(lanes, branch, top)
         at, others = np.flatnonzero(~on), lanes.take(np.flatnonzero(on))
         if not at.size:
             return others
         return self._round(lanes.take(at), branch.take(at)).join(others)
 
-    def _round(
-        self, lanes: TiedLanes, branch: OnBranch, arc: TaylorSeries | None = None
-    ) -> TiedLanes:
+    def _round(self, lanes: TiedLanes, branch: OnBranch) -> TiedLanes:
         """Take one step of every lane by its series, and apply the events at its end;
-        returns the lanes that go on. arc: the series of the lanes where it is known.
+        returns the lanes that go on.
         """
         lanes.steps += 1
         row, now, low, high = branch
@@ -267,24 +220,20 @@ class TiedMarch:
         left = whole = seg.left_of_piece(k, lanes.phase) / lanes.omega
         if self.free_fall is not None:
             left = np.minimum(whole, self.free_fall.time_left(lanes))
-        if arc is None or lanes.exact[0]:
-            arc = self.law.flow(seg, lanes, row, now, lanes.exact)
+        arc = self.law.flow(seg, lanes, row, now, lanes.exact)
         step = one_turn(arc, left)
-        touch, through = self.touch * lanes.peak, self.recorder is None
-        ended = cut(step, now, low, high, touch, through)
+        touch = self.touch * lanes.peak
+        ended = cut(step, now, low, high, touch)
         # A body that rounding alone lifts, at an extreme of the drive, does not move.
         still = (lanes.y == 0.0) & (lanes.v == 0.0)
         still &= ~np.isfinite(ended.reach + ended.v)
         if still.any():
             ended = ended.without(still)
-        if self.recorder is not None:
-            self.recorder.keep(lanes, step.arc, float(ended.reach[0]), now)
         self._watch_contact(lanes, row, now, step, ended.reach)
         if self.speed is not None:
             self._show(self.speed, lanes, step, ended)
-        if self.recorder is None:
-            held = HeldBody.of(self.equation.on(lanes.side), self.devices, row, now)
-            carry_step(lanes, held, step, ended, touch)
+        held = HeldBody.of(self.equation.on(lanes.side), self.devices, row, now)
+        carry_step(lanes, held, step, ended, touch)
 
         # The state and the position at the end; at the end of the closed form the next
         # one begins.
@@ -317,24 +266,13 @@ class TiedMarch:
     def _watch_contact(
         self, lanes: TiedLanes, row: Array, now: Branch, step: Step, reach: Array
     ) -> None:
-        """Mark lanes with Fz <= 0 in their steps; of a body that is recorded, note the
-        first such instant.
-        """
+        """Mark lanes with Fz <= 0 in their steps."""
         if self.watch is None:
             return
         weight = self.law.weight(self.segments, lanes)
         steps = Steps(lanes, row, now, step, reach, weight)
-        lost, around = self.watch.losses(steps, lanes.lost)
+        lost, _ = self.watch.losses(steps, lanes.lost)
         lanes.lost[lost] = True
-        if self.recorder is not None and lost.size:
-            instant = self.watch.first(steps, *around)
-            then = step.arc.at(instant)
-            self._note(
-                replace(lanes, phase=lanes.phase + lanes.omega * instant),
-                LOST,
-                then.y,
-                then.v,
-            )
 
     def _events(
         self, lanes: TiedLanes, row: Array, now: Branch, high: Array, ends: StepEnds
@@ -353,7 +291,6 @@ class TiedMarch:
             still = peaked[ends.still[peaked]]
             here = 1 << row[still]
             lanes.turned[still] |= here | (lanes.turned[still] & here) << 2
-            self._note(lanes, "peak", lanes.y, lanes.v)
             yields = peaked[now.yields[peaked]]
             keep_yield_error(lanes, yields)
             self.transitions.unload(lanes, yields, row)
@@ -390,17 +327,8 @@ class TiedMarch:
         )
         outcome = self._without_ground(lanes, outcome)
         outcome = np.where(failed, Outcome.FAILED, outcome)
-        if self.recorder is not None and outcome[0] in (
-            Outcome.LEANING,
-            Outcome.ROCKED,
-        ):
-            outcome[0] *= (
-                self.segments.start[lanes.segment[0]] + lanes.phase[0]
-                >= self.recorder.until
-            )
         if falls.any():
             self.transitions.stretch(lanes, np.flatnonzero(falls), row, lanes.y)
-            self._note(lanes, "overturning", lanes.y, lanes.v)
         lanes = self._finish(lanes, np.flatnonzero(outcome), outcome)
         return self._from_rest(lanes, np.flatnonzero(lanes.rests))
 
@@ -408,7 +336,7 @@ class TiedMarch:
         """True for lanes that no later drive can turn back."""
         falls = np.zeros(lanes.cell.size, dtype=bool)
         at = np.flatnonzero(
-            (lanes.y > self.doubtful) & (lanes.v > 0.0) & (high >= self.limit[row])
+            (lanes.y > _DOUBTFUL) & (lanes.v > 0.0) & (high >= self.limit[row])
         )
         if not at.size:
             return falls
@@ -437,7 +365,6 @@ class TiedMarch:
         """Apply the impacts of the lanes `at`, and mark lanes that come to rest; True
         for lanes whose outcome is known.
         """
-        self._note(lanes, "impact", lanes.y, lanes.v)
         struck = lanes.take(at)
         still = struck.segment >= self.shaken
         struck.impacts += ~still
@@ -472,10 +399,9 @@ class TiedMarch:
             omega / left.omega,
         )
         stops = struck.v < _STILL
-        seen = 0.0 if self.recorder is None else self.recorder.visible
         # Bounces that end in rest (Lemma 7) and are proved to keep contact (Lemma 13).
         low = lanes.take(at)
-        ends = ((seen == 0.0) | (struck.v < seen)) & self.bounces.end(low)
+        ends = self.bounces.end(low)
         watched = np.flatnonzero(ends & ~low.lost)
         ends[watched] = self.bounces.keep_contact(low.take(watched))
         lanes.rests[at] = stops | ends
@@ -507,21 +433,10 @@ class TiedMarch:
             lost = lost | self.free_fall.occurs[cell]
         found.theta_ratio[cell] = np.where(known & ~lost, ratio, np.nan)
         found.outcome[cell[known & lost]] = Outcome.LOST_CONTACT
-        if found.outcome[cell[0]] == Outcome.LOST_CONTACT and not lanes.lost[at[0]]:
-            self._note_free_fall(lanes)
         self.transitions.keep_yield(lanes, at, row)
         for name in ("branch", "plastic", "farthest"):
             getattr(found, name)[..., cell] = getattr(lanes, name)[..., at]
         return lanes.take(np.delete(np.arange(lanes.cell.size), at))
-
-    def _note_free_fall(self, lanes: TiedLanes) -> None:
-        """Note the instant at which the ground falls away from a body that is
-        recorded.
-        """
-        fall = self.free_fall
-        assert fall is not None
-        there = replace(lanes, segment=fall.segment, phase=fall.phase)
-        self._note(there, LOST, lanes.y, lanes.v)
 
 
 def _overturned(lanes: TiedLanes) -> Array:

@@ -8,18 +8,14 @@ import numpy as np
 
 from ...arrays import Array
 from .devices import BROKEN, ELASTIC, SLACK, YIELDING, Devices
-from .tied_lanes import Recorder, TiedLanes, note
-
-WORDS = {SLACK: "slack", ELASTIC: "engagement", YIELDING: "yield", BROKEN: "rupture"}
+from .tied_lanes import TiedLanes
 
 
 class Transitions:
-    """Moves the restraints of lanes from branch to branch; recorder: notes each change
-    of a single lane.
-    """
+    """Moves the restraints of lanes from branch to branch."""
 
-    def __init__(self, devices: Devices, recorder: Recorder | None) -> None:
-        self.devices, self.recorder = devices, recorder
+    def __init__(self, devices: Devices) -> None:
+        self.devices = devices
 
     def release(self, lanes: TiedLanes) -> None:
         """Stretch the devices of lanes that are released at their y on the right."""
@@ -82,16 +78,6 @@ class Transitions:
         for device in np.flatnonzero(self.devices.tendon):
             lanes.branch[:, device, at[breaks[device]]] = BROKEN
             lanes.turned[at[breaks[device]]] = 0
-        if self.recorder is not None:
-            for device in np.flatnonzero(reached[:, 0]):
-                note(
-                    self.recorder,
-                    lanes,
-                    WORDS[int(following[device, 0])],
-                    lanes.y,
-                    lanes.v,
-                    self.devices.names[device],
-                )
         return at[breaks.any(axis=0)]
 
     def unload(self, lanes: TiedLanes, at: Array, row: Array) -> None:
@@ -102,19 +88,8 @@ class Transitions:
             return
         row = row[at]
         branch = lanes.branch[row, :, at].T
-        yielding = branch == YIELDING
         self.keep_yield(lanes, at, row)
-        lanes.branch[row, :, at] = np.where(yielding, ELASTIC, branch).T
-        if self.recorder is not None:
-            for device in np.flatnonzero(yielding[:, 0]):
-                note(
-                    self.recorder,
-                    lanes,
-                    "unloading",
-                    lanes.y,
-                    lanes.v,
-                    self.devices.names[device],
-                )
+        lanes.branch[row, :, at] = np.where(branch == YIELDING, ELASTIC, branch).T
 
     def keep_yield(self, lanes: TiedLanes, at: Array, row: Array) -> None:
         """Store the permanent elongation of the yielding devices of the lanes `at`;

@@ -1,7 +1,5 @@
 """Whole straight lines of a record along which nothing happens to tied bodies: the
-march takes such lines without a search for events, many bodies as arrays, one body on
-floats. The recurrence (`equations.recurrence`, with the moment of the devices of
-`series`) and the proof are the same code for both.
+march takes such lines without a search for events.
 
 Over a line of duration h the motion has the terms c_n of y, in powers of the time over
 h. With a_j = sum n (n - 1) ... (n - j + 1) |c_n|,
@@ -18,9 +16,7 @@ the series holds. Any other line goes through a round of the march.
 
 from __future__ import annotations
 
-from bisect import bisect_left
 from collections.abc import Sequence
-from operator import mul
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -32,21 +28,18 @@ from ..equations.equation import Equation
 from ..equations.recurrence import TermRows, motion_terms
 from ..equations.taylor import (
     MOST_TERMS,
-    RECIPROCALS,
     WITHIN,
-    TaylorSeries,
     changes,
     degrees,
     factors_for,
     last_terms,
     left_out,
     next_term,
-    size_limits,
 )
 from .carried import carry
 from .devices import BROKEN, Devices
-from .series import HeldBody, changed, growth
-from .tied_lanes import OnBranch, Recorder, TiedLanes
+from .series import HeldBody, growth
+from .tied_lanes import OnBranch, TiedLanes
 
 LEAST_LINES = 100  # under fewer lines every line goes through a round
 _LONGEST = 0.5  # duration of a line that is tried, at most [tau]
@@ -62,11 +55,10 @@ _FACTORS = np.array(
         for j in range(4)
     ]
 )
-_BY_TERM = [row.tolist() for row in _FACTORS]
 
 
 class LineLimits(NamedTuple):
-    """Limits within which nothing happens to lanes, (lanes,) each, or floats."""
+    """Limits within which nothing happens to lanes, (lanes,) each."""
 
     low: Any  # y at the lower end of the branch
     high: Any  # y at its upper end
@@ -80,7 +72,7 @@ class LineLimits(NamedTuple):
 
 
 class LineCourse(NamedTuple):
-    """What does not change for lanes that go over lines, (lanes,) each, or floats."""
+    """What does not change for lanes that go over lines, (lanes,) each."""
 
     held: HeldBody  # the equation
     limits: Any  # `LineLimits`, None as long as they are not set
@@ -114,7 +106,7 @@ class LineCourse(NamedTuple):
 
 
 class LineEnd(NamedTuple):
-    """The end of a line, and the sums a_j over it, (lanes,) each, or floats."""
+    """The end of a line, and the sums a_j over it, (lanes,) each."""
 
     y: Any  # displacement at the end
     first: Any  # h y' at the end
@@ -124,16 +116,7 @@ class LineEnd(NamedTuple):
 
     @classmethod
     def of(cls, terms: Any) -> LineEnd:
-        """Return the end of a line with these terms, a list of floats or (terms,
-        lanes).
-        """
-        if type(terms) is list:
-            sizes = list(map(abs, terms))
-            return cls(
-                sum(terms),
-                sum(map(mul, _BY_TERM[1], terms)),
-                *(sum(map(mul, factors, sizes)) for factors in _BY_TERM[1:]),
-            )
+        """Return the end of a line with these terms, (terms, lanes)."""
         # NumPy sums a single lane in another order.
         lanes = terms.shape[1]
         rows = np.repeat(terms, 2, axis=1) if lanes == 1 else terms
@@ -145,7 +128,7 @@ class LineEnd(NamedTuple):
 
 def is_clear(limits: LineLimits, y: Any, first: Any, end: LineEnd, h: Any) -> Any:
     """True where nothing happens on a line of duration h [tau] that begins at y with h
-    y' = `first`; floats or arrays, (lanes,).
+    y' = `first`, (lanes,) each.
     """
     bend, turn = 0.125 * end.acceleration, 0.125 * end.jerk
     lowest, highest = (y - bend, end.y - bend), (y + bend, end.y + bend)
@@ -187,23 +170,18 @@ class WholeLines:
         devices: Devices,
         segments: Segments,
         shaken: int,
-        recorder: Recorder | None,
     ) -> None:
         # shaken: number of lines of the record
         self.equation, self.devices, self.shaken = equation, devices, shaken
-        self.recorder = recorder
         self.watched: Body | None = devices.body  # body whose contact is watched
         # largest size of the last terms, over the duration of a line
         self.least = WITHIN * equation.tolerance
-        # start and rise of s [-] and length [rad] of each line, also for one body
+        # start and rise of s [-] and length [rad] of each line
         self.lines = (
             segments.s_start,
             segments.s_end - segments.s_start,
             segments.length,
         )
-        self.lists = [x.tolist() for x in self.lines]
-        # course of one body, without its limits, by side and state of the devices
-        self._courses: dict[tuple[float, ...], tuple[LineCourse, _Factors]] = {}
 
     def follow(self, lanes: TiedLanes, branch: OnBranch, top: Array) -> Array:
         """Move lanes over lines that are clear; True for lanes that may go on so.
@@ -251,48 +229,6 @@ class WholeLines:
         lanes.y, lanes.v, lanes.segment, lanes.phase = y, v, k, u
         return go
 
-    def follow_one(
-        self, lanes: TiedLanes, branch: OnBranch, top: Array
-    ) -> TaylorSeries | None:
-        """`follow` for a single lane, on floats, until a line is not clear; returns the
-        series on that line if it holds.
-        """
-        course, factors = self._course_of_one(lanes, branch)
-        limits = LineLimits(*(float(x[0]) for x in self._limits(lanes, branch, top)))
-        course = course._replace(
-            omega=lanes.omega.item(),
-            outward=-lanes.side.item() * lanes.amplitude.item(),
-        )
-        y, v = lanes.y.item(), lanes.v.item()
-        k, u = lanes.segment.item(), lanes.phase.item()
-        while k < self.shaken:
-            line = course.left_of(self.lists, k, u)
-            h, *drive = line
-            if h > _LONGEST:
-                break
-            terms = motion_terms(
-                course.held, y, v, h, factors.over(h, course.size(y, v, line)), drive
-            )
-            if abs(terms[-1]) + 0.25 * h * abs(terms[-2]) > self.least * h:
-                break
-            end = LineEnd.of(terms)
-            if not is_clear(limits, y, terms[1], end, h):
-                return _arc(course, terms, h)
-            if self.recorder is not None:
-                self.recorder.keep(lanes, _arc(course, terms, h), h, branch.now)
-            else:
-                sizes, degree = list(map(abs, terms[:-4:-1])), len(terms) - 1
-                error = left_out(sizes, degree, h, course.law(drive, h * v))
-                size = course.size(y, v, line) / _ROOM
-                error += next_term(size, h, degree, course.rate)
-                state = np.array([end.y]), np.array([end.first / h])
-                carry(lanes, course.held, state, np.array([h]), np.array([error]))
-            y, v, k, u = end.y, end.first / h, k + 1, 0.0
-            lanes.y[0], lanes.v[0], lanes.segment[0], lanes.phase[0] = y, v, k, u
-            lanes.steps += 1
-            lanes.exact[0] = False
-        return None
-
     def _short(self, lanes: TiedLanes, k: Array, u: Array) -> Array:
         """True for lanes on a line of the record that is short from phase u on."""
         left = self.lines[2][k] - u
@@ -312,20 +248,6 @@ class WholeLines:
             growth(stiffness),
         )
 
-    def _course_of_one(
-        self, lanes: TiedLanes, branch: OnBranch
-    ) -> tuple[LineCourse, _Factors]:
-        """(course of a single lane on floats, factors of its series)."""
-        now, side = branch.now, lanes.side.item()
-        key = (side, *now.fixed[:, 0].tolist(), *now.rate[:, 0].tolist())
-        if key not in self._courses:
-            course = self._course(lanes, branch)
-            held = course.held.of_first(self.equation.edge(side))
-            one = LineCourse(held, *changed(course[1:], lambda x: x.item()))
-            factors = _Factors(self.equation.tolerance, one.rate)
-            self._courses[key] = one, factors
-        return self._courses[key]
-
     def _limits(self, lanes: TiedLanes, branch: OnBranch, top: Array) -> LineLimits:
         """The limits of lanes on a branch; top: as of `LineLimits`."""
         row, now, ones = branch.row, branch.now, np.ones(lanes.y.size)
@@ -339,37 +261,12 @@ class WholeLines:
         broken = lanes.branch[row, :, np.arange(row.size)].T == BROKEN
         stretched = np.where(broken, np.inf, self.devices.level(row, farthest))
         known = np.minimum(lanes.peak, stretched.min(axis=0))
-        events = now.yields | (self.recorder is not None)
         return LineLimits(
             branch.low,
             branch.high,
-            np.where(events, -1.0, known),
+            np.where(now.yields, -1.0, known),
             top,
             unit,
             alpha,
             kappa,
         )
-
-
-class _Factors:
-    """The factors of the series of one body on floats (`motion_terms`)."""
-
-    def __init__(self, tolerance: float, rate: float) -> None:
-        self.tolerance, self.rate = tolerance, rate
-        self.duration = 0.0  # duration of the lines of `sizes` [tau]
-        self.sizes = [0.0]  # as of `size_limits`
-
-    def over(self, h: float, size: float) -> list[float]:
-        """The factors over a line of duration h [tau] of a motion of this size."""
-        # Rounding alone changes the duration of lines of equal samples.
-        if abs(h - self.duration) > 1e-9 * h:
-            self.duration = h
-            self.sizes = size_limits(h, self.tolerance, self.rate)
-        square = h * h
-        return [square * c for c in RECIPROCALS[: 2 + bisect_left(self.sizes, size)]]
-
-
-def _arc(course: LineCourse, terms: list[float], h: float) -> TaylorSeries:
-    """Terms over a line of duration h [tau] as the series of one lane."""
-    unit, rate = np.array([h]), np.array([course.rate])
-    return TaylorSeries(np.array(terms)[:, None], unit, unit, rate, course.held.damping)

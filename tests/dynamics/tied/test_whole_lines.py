@@ -1,5 +1,5 @@
-"""Whole lines of a record: bodies that take them, as arrays or on floats, end as bodies
-that go from event to event.
+"""Whole lines of a record: bodies that take them end as bodies that go from event to
+event.
 """
 
 import math
@@ -47,17 +47,16 @@ def test_bodies_end_as_without_whole_lines(name, monkeypatch):
     system, ones = Method("nonlinear").system_of(body), np.ones(4)
     amplitude = system.least_uplift(motion) * np.geomspace(0.99, 4.0, ones.size)
     cells = amplitude, ones / body.p
-    many, alone = (marched(system, motion, *cells, alone=x) for x in (False, True))
+    many = marched(system, motion, *cells)
     monkeypatch.setattr(tied_march, "LEAST_LINES", 1 << 30)
     found = marched(system, motion, *cells)
     assert {Outcome.NO_UPLIFT, Outcome.ROCKED} <= set(found.outcome.tolist())
     stands = safe(found.outcome)
-    for other in (many, alone):
-        assert (other.outcome == found.outcome).all()
-        assert (other.impacts == found.impacts).all()
-        for field in ("theta_ratio", "branch", "plastic", "farthest"):
-            values = (getattr(x, field)[..., stands] for x in (other, found))
-            np.testing.assert_allclose(*values, rtol=0.0, atol=1e-9)
+    assert (many.outcome == found.outcome).all()
+    assert (many.impacts == found.impacts).all()
+    for field in ("theta_ratio", "branch", "plastic", "farthest"):
+        values = (getattr(x, field)[..., stands] for x in (many, found))
+        np.testing.assert_allclose(*values, rtol=0.0, atol=1e-9)
 
 
 def test_the_series_of_a_stiff_tie_begins_without_cancellation():

@@ -1,0 +1,229 @@
+"""The state of one body with ties or a tendon on floats: its restraints, its contact
+with the ground and its end.
+"""
+
+import math
+from bisect import bisect_left
+from collections.abc import Sequence
+from dataclasses import fields
+from operator import mul
+
+import numpy as np
+
+from ..equations.taylor import TaylorSeries
+from ..lanes import Lanes
+from ..march.roots import from_powers
+from ..outcome import LOST, Outcome
+from ..tied.contact_watch import Steps
+from ..tied.series import Step
+from ..tied.tied_lanes import TiedLanes
+from ..tied.transitions import Transitions
+from .lane import Lane, LaneEdge
+from .march import March
+from .restraints import ONE
+from .state import Ended, LawOfDevices, Listener
+from .step import BENDS, NUMBERS, shorter, value
+
+# largest |y| of a touch over the peak: this part of the tolerance of y, or rounding;
+# to it comes what the last step leaves out
+_TOUCH, _ROUNDING = 1e-2, 1e-13
+_KNOWN = (Outcome.NO_UPLIFT, Outcome.ROCKED, Outcome.LEANING)
+
+
+class HeldState(March):
+    """The state of the march of one body with restraints."""
+
+    def __init__(
+        self,
+        lane: Lane,
+        amplitude: float,
+        peaks: bool,
+        listener: Listener | None,
+        most: int,
+    ) -> None:
+        super().__init__(lane, amplitude, peaks, listener, most)
+        assert lane.restraints is not None
+        self.restraints = lane.restraints
+        devices = lane.restraints.devices
+        self.ties = lane.restraints.slack()
+        self.changes = Transitions(devices)
+        self.held = lane.restraints.on(1.0, self.edge.limit, self.ties)
+        self.watched, self.peak = True, 0.0  # the peak tells how close a touch is
+        self.touch = max(_ROUNDING, _TOUCH * self.equation.tolerance)
+        self.reached = [0.0, 0.0]  # y up to which elongations are noted, by row
+        # second moment of the error of y at which a restraint yielded (`tied.carried`)
+        self.yielded = 0.0
+        # bits of `turned` to the second turn on a side, and all bits that it needs
+        self.again = 2 if self.lane.zeta and devices.body is not None else 0
+        self.every = (1 << len(self.edges)) - 1 << self.again
+
+    @property
+    def law(self) -> object:
+        return self.held.law
+
+    def _at_ground(self, edge: LaneEdge) -> float:
+        pull = self.held.at_ground
+        if edge is not self.edge:
+            pull = float(self.held.ratios[0 if edge.side > 0.0 else -1]) - 1.0
+        return super()._at_ground(edge) - pull
+
+    def _lanes(self) -> TiedLanes:
+        free = super()._lanes()
+        for field in fields(Lanes):
+            setattr(self.ties, field.name, getattr(free, field.name))
+        return self.ties
+
+    def _degree(self, shaking: float) -> int:
+        held = self.held
+        limits = held.limits
+        if self.segment < self.lane.shaken:
+            limits = self._limits_of_lines()
+        return 3 + bisect_left(limits, held.size(shaking, self.y, self.v))
+
+    def _limits_of_lines(self) -> list[float]:
+        key = self.edge.omega, self.held.growth
+        found = self.restraints.limits.get(key)
+        if found is None:
+            found = self.restraints.limits[key] = self.lane.size_limits(*key)
+        return found
+
+    def _stretch(self, y: float) -> None:
+        """Keep the elongations of the devices at y if they are the largest so far."""
+        row = int(self.held.row[0])
+        if y > self.reached[row]:
+            self.reached[row] = y
+            self.changes.stretch(self.ties, ONE, self.held.row, np.array([y]))
+
+    def _keep(self, reach: float, h: float, terms: Sequence[float]) -> None:
+        self._watch_contact(reach, h, list(terms))
+        super()._keep(reach, h, terms)
+
+    def _watch_contact(self, reach: float, h: float, terms: list[float]) -> None:
+        """Find out whether Fz <= 0 occurs on a step; note the first such instant."""
+        watch = self.restraints.watch
+        if watch is None or self.ties.lost[0] or reach == 0.0:
+            return
+        own = terms if reach == h else shorter(terms, reach / h)
+        sizes = list(map(abs, own))
+        speed, bend = (sum(map(mul, x, sizes)) for x in (NUMBERS, BENDS))
+        if self._contact_proved(reach, speed, bend):
+            return
+        # The Bernstein coefficients of y' bound it more closely.
+        rate = list(map(mul, NUMBERS[1:], own[1:]))
+        speeds = from_powers(len(rate)) @ rate
+        speed = float(np.abs(speeds).max())
+        bend = float(np.abs(np.diff(speeds)).max()) * (len(rate) - 1.0)
+        if self._contact_proved(reach, speed, bend):
+            return
+        steps = self._as_arrays(reach, own, speed, bend)
+        lost, around = watch.losses(steps, self.ties.lost)
+        if lost.size:
+            self.ties.lost[0] = True
+            if self.listener is not None:
+                instant = float(watch.first(steps, *around)[0])
+                y, v = value(own, instant / reach, reach)
+                self._note(LOST, y, v, instant * self.edge.omega)
+
+    def _contact_proved(self, reach: float, speed: float, bend: float) -> bool:
+        """True if the largest speed and acceleration of a step leave Fz > 0, times the
+        duration of the step and its square.
+        """
+        alpha, kappa, unit = self.restraints.feet[self.edge.side]
+        highest = unit * (self.y + speed) - alpha
+        lean, over = min(max(alpha, highest), 1.0), 1.0 / (reach * reach)
+        lightest, weight = 1.0, self.weight
+        if weight is not None:
+            share = reach / self.factors_of[0]
+            lightest = weight[0]
+            for w in weight[1:]:
+                lightest -= abs(w) * share
+                share *= reach / self.factors_of[0]
+        downwards = (lean * bend + unit * speed * speed) * over
+        return kappa * unit * downwards < lightest
+
+    def _as_arrays(
+        self, reach: float, terms: list[float], speed: float, bend: float
+    ) -> Steps:
+        """This step as the step of one lane."""
+        none, h, zeta = np.zeros(1), np.array([reach]), self.lane.zeta
+        arc = TaylorSeries(np.array(terms)[:, None], h, h, none, zeta)
+        of_weight = None
+        if self.weight is not None:
+            unit = np.array([self.factors_of[0]])
+            rows = np.array(self.weight)[:, None]
+            of_weight = TaylorSeries(rows, unit, unit, none)
+        fastest, bends = np.array([speed]) / h, np.array([bend]) / (h * h)
+        step = Step(arc, h, arc.at(h), none, none, fastest, bends, none)
+        held = self.held
+        return Steps(self._lanes(), held.row, held.now, step, h, of_weight)
+
+    def _moments_at(self, y: float, v: float, t: float) -> tuple[float, float, float]:
+        yy, yv, vv = super()._moments_at(y, v, t)
+        if self.yielded:
+            y0, _, since = self.carried
+            stiffness = float(self.held.law.moment.slope(0.5 * (y0 + y)))
+            push = abs(stiffness) * (since + t) * math.sqrt(self.yielded)
+            yy = (math.sqrt(max(yy, 0.0)) + 0.5 * push * (since + t)) ** 2
+            vv = (math.sqrt(max(vv, 0.0)) + push) ** 2
+        return yy, yv, vv
+
+    def _show_law(
+        self, tau: float, row: int, fixed: np.ndarray, rate: np.ndarray
+    ) -> None:
+        """Show the force laws of the devices from an instant on to the listener."""
+        if self.listener is not None and not self.ending:
+            held = self.restraints.forces_at_ground(self.ties)
+            self.listener.hold(LawOfDevices(tau, row, fixed, rate, held))
+
+    def _note_rest(self, tau: float) -> None:
+        # A tie of both sides has the larger of its two forces.
+        super()._note_rest(tau)
+        forces = self.restraints.forces_at_ground(self.ties).max(axis=0)
+        self._show_law(tau, 0, forces, 0.0 * forces)
+
+    def _test_overturning(self) -> None:
+        """End the march of a body that no later drive can turn back (Lemma 6)."""
+        edge, held, weight = self.edge, self.held, 1.0
+        doubtful, fallen = 1.0, math.inf
+        if self.listener is not None and self.listener.fallen is not None:
+            doubtful = fallen = self.listener.fallen[0 if edge.side > 0.0 else 1]
+        if not (self.y > doubtful and self.v > 0.0 and held.high >= edge.limit):
+            return
+        side, amplitude = np.array([edge.side]), np.array([abs(edge.drive)])
+        k = np.array([min(self.segment, len(self.segments) - 1)])
+        inward = self.segments.strongest_inward(side, amplitude, k)
+        weighed = self.segments.weighed
+        if self.restraints.devices.linear:
+            # The devices are too soft for y'' to fall as y grows. It is positive under
+            # the strongest inward drive and the least weight.
+            if weighed is not None:
+                weight = float(weighed.least_weight(side, amplitude, k)[0])
+            y = np.array([self.y])
+            force = self.equation.on(side).force(y, -inward * weight, weight)
+            pull = held.law.moment.at(self.y)
+            falls = held.stiffness <= weight and bool(force[0] > pull)
+        else:
+            # The lemma of the free body, if no device pulls any more.
+            free = not (held.now.fixed.any() or held.now.rate.any())
+            y, v = np.array([self.y]), np.array([self.v])
+            equation = self.equation.on(side)
+            falls = free and bool(
+                equation.certainly_overturns(y, v, inward, weighed is None)[0]
+            )
+        if falls:
+            self.y = min(self.y, fallen)
+            self._stretch(self.y)
+            self._finish(self._overturned())
+
+    def _settled(self) -> bool:
+        """False: the march goes on until the body has turned back on every side."""
+        return False
+
+    def _finish(self, outcome: Outcome) -> Ended:
+        if self.ties.lost[0]:
+            self.free_fall = None  # contact is lost before it, or the body falls
+            outcome = Outcome.LOST_CONTACT if outcome in _KNOWN else outcome
+        self.ties.y[0] = self.y
+        self.changes.keep_yield(self.ties, ONE, self.held.row)
+        self.end = super()._finish(outcome)._replace(restraints=self.ties)
+        return self.end
