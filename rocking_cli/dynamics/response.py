@@ -88,18 +88,18 @@ WAYS = ("arrays", "floats")
 # Under a motion of more than LONG segments the march on arrays takes as long for a few
 # cells as that on floats for FEW: 40 to 100 by Eqs. 2.3 and 2.4, 15 to 30 by Eq. 3.4,
 # under records of 400, 1,559 and 7,999 samples; 30 to 60 of tied bodies, whose events
-# take as long for one as for many: 10 to 40 of these under a pulse.
-LONG, _FEW, _FEW_COMPOSED, _FEW_TIED, _FEW_UNDER_PULSES = 200, 60, 20, 30, 8
+# take as long for one as for many.
+LONG, _FEW, _FEW_COMPOSED, _FEW_TIED = 200, 60, 20, 30
 
 
 def few(system: System, segments: int) -> int:
     """Return the number of cells of one system up to which `response` takes less time
     on floats than on arrays, under a motion of so many segments.
     """
-    if system.devices is not None:
-        return _FEW_TIED if segments > LONG else _FEW_UNDER_PULSES
     if segments <= LONG:
         return 0
+    if system.devices is not None:
+        return _FEW_TIED
     return _FEW_COMPOSED if system.equation.composed else _FEW
 
 

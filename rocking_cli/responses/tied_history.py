@@ -16,8 +16,8 @@ from ..dynamics.tied.devices import BROKEN, YIELDING, Devices
 from ..dynamics.tied.tied_lanes import TiedLanes
 from ..motions.motion import Motion
 from ..motions.segments import Segments
-from .arcs import DeviceForces, History
-from .history import MarchWriter
+from .arcs import DeviceForces, History, HistoryArcs
+from .march_writer import MarchWriter
 
 STATES = ("elastic", "yielded", "broken")  # of ties and tendons
 
@@ -33,6 +33,10 @@ class TiedWriter(MarchWriter):
 
     def hold(self, law: LawOfDevices) -> None:
         self.laws.append(law)
+
+    def _overturn(self, arcs: HistoryArcs, held: float = 0.0) -> None:
+        last = max((e.tau for e in self.events if e.device), default=held)
+        super()._overturn(arcs, last)
 
     def _history(self, ended: Ended, duration: float) -> History:
         # A body that overturns has overturned whatever its Fz, as a body without ties.

@@ -16,7 +16,7 @@ from support.watched_processes import PATIENCE, PROGRAM, grows
 from rocking_cli import LinearEquation, Outcome, SpectraFile, System, history, sine
 from rocking_cli.dynamics import batch
 from rocking_cli.interruption import STOPS
-from rocking_cli.responses import history as histories
+from rocking_cli.responses import march_writer
 
 SMALL = "A=0.5:9:40,Omega=0.5:12:30"
 
@@ -252,7 +252,7 @@ def test_a_step_count_that_runs_away_is_a_failed_cell(rocking, monkeypatch, tmp_
         == 4
     )
     assert (tmp_path / "s.h5").exists()
-    monkeypatch.setattr(histories, "MAX_STEPS", -158)
+    monkeypatch.setattr(march_writer, "MAX_STEPS", -158)
     assert (
         history(System(LinearEquation()), sine(), 1.5, 4.0, 1.0, duration=30.0).outcome
         == Outcome.FAILED

@@ -7,10 +7,11 @@ one structure under one motion.
     step          one step: the Taylor series of y as far as it holds, with one turn at
                   most
     state         the state of the body, and its end (Lemmas 6 and 8)
-    march         the march from event to event (Lemmas 1 and 7)
+    free_march    the march from event to event (Lemmas 1 and 7)
     restraints    ties and a tendon on each branch of their force laws
     held_state    the state of a body with restraints, and its end
     held_march    its march, which ends steps at ends of branches too
+    march         of either
     lost_contact  lost contact, along the arcs of a march
     one_by_one    outcomes and rotations of cells, one after the other
 

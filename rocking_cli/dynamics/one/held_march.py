@@ -14,9 +14,9 @@ from ..lanes import Cells, Lanes
 from ..outcome import Outcome
 from ..tied.devices import BROKEN, ELASTIC, SLACK, YIELDING
 from ..tied.tied_lanes import TiedLanes
+from .free_march import Stop
 from .held_state import HeldState
 from .lane import LaneEdge
-from .march import Stop
 from .restraints import ONE
 from .step import after_turn, bulge, only_fall, root, turn_of, value
 

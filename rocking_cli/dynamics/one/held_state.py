@@ -18,8 +18,8 @@ from ..tied.contact_watch import Steps
 from ..tied.series import Step
 from ..tied.tied_lanes import TiedLanes
 from ..tied.transitions import Transitions
+from .free_march import March
 from .lane import Lane, LaneEdge
-from .march import March
 from .restraints import ONE
 from .state import Ended, LawOfDevices, Listener
 from .step import BENDS, NUMBERS, shorter, value

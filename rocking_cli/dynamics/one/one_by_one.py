@@ -13,7 +13,7 @@ _FOR_EACH = 10  # ... and its growth with each segment
 
 
 class OneByOne:
-    """The march of flat cells of one structure without restraints, (cells,) each.
+    """The march of flat cells of one structure, (cells,) each.
 
     A cell that bounces for very long is left with the outcome FAILED.
     """
