@@ -88,13 +88,21 @@ class Reading:
     )
     motion_dt: float | None = option("--dt --motion-dt", DT, type=quantity("time"))
     column: str | None = option("--column", COLUMN, metavar="NUMBER|all")
+    skip: int = option(
+        "--skip",
+        "Lines above a record that are not read.",
+        type=click.IntRange(min=0),
+        default=0,
+        metavar="LINES",
+    )
     as_it_stands: bool = flag("--as-it-stands", AS_IT_STANDS)
 
     @property
     def stated(self) -> Stated:
         """What the options state of a file, as keywords of the library."""
-        same = {key: getattr(self, key) for key in ("unit", "column", "as_it_stands")}
-        return cast("Stated", {**same, "dt": self.motion_dt})
+        same = ("unit", "column", "skip", "as_it_stands")
+        stated = {key: getattr(self, key) for key in same}
+        return cast("Stated", {**stated, "dt": self.motion_dt})
 
 
 @dataclass(frozen=True)
@@ -359,6 +367,7 @@ class Motions(Reading, Source):
             "unit",
             "motion_dt",
             "column",
+            "skip",
             "as_it_stands",
             "scale_to",
         )

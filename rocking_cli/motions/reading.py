@@ -52,6 +52,7 @@ class MotionChoices(Stated, total=False):
     unit: of plain numbers, such as "cm/s2"
     dt: time step of plain numbers [s]
     column: of plain numbers, from 1; "all" where each line goes on from the last
+    skip: number of lines above that are not read
     as_it_stands: True takes numbers that are unlike a ground motion, as of one sign
     scale: factor, which may be negative [-]
     scale_to: instead of `scale`, such as "PGA=0.35g"
@@ -81,8 +82,8 @@ def read_motion(path: str | Path, **given: Unpack[MotionChoices]) -> Motion:
     path
         the file, "-" for standard input
     given
-        component, unit, dt [s], column, as_it_stands, scale [-], scale_to, vertical [-]
-        and tell, as `MotionChoices` describes them
+        component, unit, dt [s], column, skip, as_it_stands, scale [-], scale_to,
+        vertical [-] and tell, as `MotionChoices` describes them
 
     Returns
     -------
@@ -169,9 +170,9 @@ def load_records(
         called with a sentence on each file of a folder that cannot be read; None: such
         a file is an error
     given
-        component, unit, dt [s], column, as_it_stands, scale [-], scale_to, vertical [-]
-        and tell, as `MotionChoices` describes them; component may also be "horizontal",
-        "all", or None for each horizontal one of each file
+        component, unit, dt [s], column, skip, as_it_stands, scale [-], scale_to,
+        vertical [-] and tell, as `MotionChoices` describes them; component may also be
+        "horizontal", "all", or None for each horizontal one of each file
 
     Returns
     -------

@@ -379,10 +379,7 @@ REFUSED = {
         (
             3,
             "column.txt --unit g",
-            (
-                "column.txt: one column of numbers without times; give their step as"
-                " --motion-dt"
-            ),
+            ("column.txt: numbers without times; give their step as --motion-dt"),
         ),
         (2, "", "no record: give FILE"),
         (3, "empty", "empty: empty"),

@@ -12,9 +12,9 @@ same three names:
     [project.entry-points."rocking.records"]
     ours = "my_package.ours"
 
-ASDF is no text; its module is asked before the others. What headings say is understood
-in one place, for all formats: units.py, directions.py, headings.py (of columns) and
-claims.py (lines above the numbers).
+ASDF is no text; its module is asked before the others. Units, directions and headings
+of columns have one grammar for all formats: units.py, directions.py and headings.py;
+guard.py looks at the numbers.
 
 Entry points are read only for a file that no format of FORMATS recognises, and before
 it is taken for plain columns of numbers.
@@ -36,9 +36,10 @@ from ...documents.files import LARGEST, STDIN, named_after, read_bytes
 from ...errors import DocumentError, NoAcceleration, UsageError
 from ...plugins import blamed, installed
 from . import asdf, plain
-from .claims import agree
 from .cut_files import cut_number
+from .directions import up_in_name
 from .encodings import as_utf_8
+from .printed_numbers import finite_number
 from .record import Given, Record, Series, accepted, pick, record_of, require_series
 from .text import HEAD, RecordText, cut_lines
 from .units import ACCELERATIONS
@@ -92,6 +93,21 @@ _UNCORRECTED = re.compile(
     r" *:|^(?:DATA_TYPE:\s*UNPROCESSED|PROCESSING:\s*NONE)\b",
     re.IGNORECASE | re.MULTILINE,
 )
+
+_FACTOR = re.compile(
+    r"^.*\bscal(?:e|ing)[ _]factor\W*([-+]?[.\d]+(?:[ed][-+]?\d+)?).*$",
+    re.IGNORECASE | re.MULTILINE,
+)
+
+
+def _factor(text: RecordText, form: str) -> str:
+    """Return a remark on a factor other than 1 that a header states; K-NET has its own
+    line of counts.
+    """
+    found = None if form == "K-NET" else _FACTOR.search(cut_lines(text.head))
+    if found is None or finite_number(found[1].encode()) == 1.0:
+        return ""
+    return f"the header states {found[0].strip()[:60]!r}; the samples do not get it"
 
 
 @cache
@@ -147,7 +163,7 @@ def _refuse_cut(source: str, content: bytes) -> None:
     if (cut := cut_number(content)) is not None:
         raise DocumentError(
             f"{source}: found {cut!r} at the end of the file, which is not written as"
-            " the numbers before it; the file may be cut"
+            " the numbers before it; the file may be cut (`as_it_stands` takes it)"
         )
 
 
@@ -167,7 +183,7 @@ def records_of(source: str, raw: bytes, given: Given = NOTHING) -> list[Record] 
     def records(series: list[Series], form: str) -> list[Record]:
         return [
             record_of(one, name, form, source, sha256, given.as_it_stands)
-            for one in _distinct(series)
+            for one in _distinct(series, source)
         ]
 
     if asdf.recognise(content):
@@ -186,13 +202,15 @@ def records_of(source: str, raw: bytes, given: Given = NOTHING) -> list[Record] 
     with nullcontext() if entry is None else _blamed(source, entry):
         read = found.read(text)
         require_series(read)
-        _refuse_cut(source, content)
+        if not given.as_it_stands:
+            _refuse_cut(source, content)
         if found is not plain and given.named:
             _require_agreement(source, read, given, found.NAME)
         also = "an uncorrected accelerogram" if uncorrected else ""
         behind = "" if any(s.remark for s in read) else text.words_behind()
+        about = (*text.skipped, also, _factor(text, found.NAME))
         series = [
-            s._replace(remark="; ".join(filter(None, (also, s.remark, behind))))
+            s._replace(remark="; ".join(filter(None, (*about, s.remark, behind))))
             for s in read
         ]
         return records(series, found.NAME)
@@ -211,7 +229,7 @@ def _require_agreement(
         if unit is not None and ACCELERATIONS[unit] != ACCELERATIONS[series.unit]:
             said = f"found {unit}; the file says otherwise: {series.unit} ({form})"
             raise DocumentError(f"{source}: `unit`: {said}")
-        if given.dt is not None and not agree(given.dt, series.dt):
+        if given.dt is not None and abs(given.dt - series.dt) > 1e-3 * series.dt:
             said = (
                 f"found {given.dt:g} s; the file says otherwise: {series.dt:g} s"
                 f" ({form})"
@@ -226,6 +244,7 @@ class Stated(TypedDict, total=False):
     dt: float | None  # time step of plain numbers [s]
     # column of plain numbers, from 1; `all` where each line goes on from the last
     column: str | None
+    skip: int  # lines above, which are not read
     as_it_stands: bool  # True takes numbers that are unlike a ground motion
 
 
@@ -249,6 +268,7 @@ def read_record(
     unit: str | None = None,
     dt: float | None = None,
     column: str | None = None,
+    skip: int = 0,
     as_it_stands: bool = False,
 ) -> Record:
     """Return one record of a file.
@@ -267,6 +287,8 @@ def read_record(
         time step of plain columns of numbers [s]
     column
         of plain columns of numbers, from 1; "all" where each line goes on from the last
+    skip
+        number of lines above that are not read
     as_it_stands
         True takes numbers that are unlike a ground motion, as of one sign
 
@@ -287,8 +309,10 @@ def read_record(
     >>> record.npts, record.dt
     (1600, 0.01)
     """
-    stated = Stated(unit=unit, dt=dt, column=column, as_it_stands=as_it_stands)
-    return pick(_read(path, Given.of(stated)), component)
+    stated = Given.of(
+        Stated(unit=unit, dt=dt, column=column, skip=skip, as_it_stands=as_it_stands)
+    )
+    return pick(_read(path, stated), component)
 
 
 def record_from(given: Record | str | Path) -> Record:
@@ -324,13 +348,13 @@ def is_record(path: str) -> bool:
     return _format_of(path, RecordText(path, raw).head)[0] is not None
 
 
-def _distinct(series: list[Series]) -> list[Series]:
+def _distinct(series: list[Series], source: str) -> list[Series]:
     """The series with distinct components: an equal or absent name among several
-    becomes its number in the file.
+    becomes its number in the file; that of one may be vertical by the name of the file.
     """
     names = [s.component for s in series]
     if names == [None]:
-        return series
+        return [series[0]._replace(component=up_in_name(source))]
     numbered = (
         s._replace(component=f"{s.component or 'channel'} ({i})")
         for i, s in enumerate(series, 1)

@@ -48,9 +48,9 @@ def read(text: RecordText) -> list[Series]:
             "channels of different lengths or steps, which are not read", 1
         )
     values = text.rows(counts[0], width)
-    text.require_end(counts[0])
+    remark = text.surplus(counts[0])
     found = zip(names, steps, values.T, peaks, strict=True)
-    return [Series(name, dt, x.copy(), unit, pga) for name, dt, x, pga in found]
+    return [Series(name, dt, x.copy(), unit, pga, remark) for name, dt, x, pga in found]
 
 
 def _keys(text: RecordText) -> Keys:
@@ -77,7 +77,15 @@ def _listed(text: RecordText, keys: Keys, begin: str) -> list[str]:
         raise text.fault(
             f"{begin}: found {value!r}; expected values between strokes", line
         )
-    return [x.split(";")[-1].strip() if begin == "ORIENTACION" else x for x in found]
+    return [_direction(x) if begin == "ORIENTACION" else x for x in found]
+
+
+def _direction(said: str) -> str:
+    """The direction of `S00E;L` or `V;+`, a bearing and an orientation."""
+    bearing, _, name = (x.strip() for x in said.partition(";"))
+    if name in ("+", "-"):
+        return bearing if name == "+" else f"-{bearing}"
+    return name or bearing
 
 
 def _of(text: RecordText, keys: Keys, begin: str, width: int) -> list[tuple[str, int]]:

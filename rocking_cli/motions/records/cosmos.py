@@ -9,7 +9,7 @@ import numpy as np
 
 from .record import Series
 from .text import FORTRAN, Layout, RecordText, begins, stated
-from .units import ACCELERATIONS, dimension_of, unit_of
+from .units import ACCELERATIONS, is_foreign, unit_of
 
 NAME = "COSMOS"
 _FIRST = re.compile(
@@ -84,7 +84,7 @@ def _unit(text: RecordText, word: str, code: str | None) -> str:
             f"found the unit {word!r} ({code or 'no code'}); expected cm/s2 (04), g"
             " (02) or gal (10)"
         )
-    foreign = known is None and dimension_of(word) is not None
+    foreign = known is None and is_foreign(word)
     if foreign or (known is not None and ACCELERATIONS[known] != ACCELERATIONS[unit]):
         raise text.fault(
             f"found the unit {word!r} with the code {code}, which is {unit}"

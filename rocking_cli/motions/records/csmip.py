@@ -13,16 +13,16 @@ from .units import unit_of
 NAME = "CSMIP V2"
 _FIRST = re.compile(
     r"(?<!UN)CORRECTED"
-    r" ACCELEROGRAM(?:.*?\bChan(?:nel)?\s*\d*\s*:\s*(.+?)\s*(?:from|\(|$))?",
+    r" ACCELEROGRAM(?:.*?\b(?:Chan(?:nel)?\s*\d*\s*:|COMP\b)\s*(.+?)\s*(?:from|\(|$))?",
     re.IGNORECASE,
 )
 # a file of volume 3, which has spectra and no motion
 _SPECTRA = re.compile(r"\s*RESPONSE AND FOURIER AMPLITUDE SPECTRA", re.IGNORECASE)
 _BLOCK = re.compile(
-    r"^\s*(\d+)\s*points of (accel|veloc|displ)\w* data(?:.*?\bat\s*([-+.\d]+)\s*sec)?",
+    r"^\s*(\d+)\s*points of (acc|vel|dis)\w* data(?:.*?\bat\s*([-+.\d]+)\s*sec)?",
     re.IGNORECASE,
 )
-_PGA = re.compile(r"Peak\s+accel\w*\s*=\s*([-+.\dEe]+)\s*([a-z/0-9^]+)", re.IGNORECASE)
+_PGA = re.compile(r"Peak\s+acc\w*\s*=\s*([-+.\dEe]+)\s*([a-z/0-9^]+)", re.IGNORECASE)
 _POINTS = re.compile(r"^\s*(\d+)\s+points of instrument", re.IGNORECASE)
 _LENGTH = re.compile(r"Record length\s*=\s*([.\d]+)\s*sec", re.IGNORECASE)
 _UNIT = re.compile(
@@ -54,8 +54,8 @@ def read(text: RecordText) -> list[Series]:
         layout = fortran_layout(line) or Layout(8, 10)
         count = text.count(block[1])
         kind = block[2].lower()
-        if kind != "accel":
-            others = kind
+        if kind != "acc":
+            others = block[2]
             text.skip(count, layout)
         else:
             latest = above[::-1]

@@ -44,5 +44,5 @@ def read(text: RecordText) -> list[Series]:
         text.agree(count, dt, duration, slack=1.0)
     first = text.raw[text.at : text.at + 1000].lstrip().split(b"\n", 1)[0].split()
     samples = text.numbers(count, Layout(max(1, len(first))))
-    text.require_end(count)
-    return [Series(stated(_COMPONENT, lines), dt, samples, unit, stated(_PEAK, lines))]
+    component, peak = stated(_COMPONENT, lines), stated(_PEAK, lines)
+    return [Series(component, dt, samples, unit, peak, text.surplus(count))]

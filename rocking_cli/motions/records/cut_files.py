@@ -15,6 +15,8 @@ def cut_number(raw: bytes) -> str | None:
     if len(tokens) <= _FEWEST:
         return None
     *before, last = tokens
+    if last == b"0" and raw.endswith(b"\n"):  # a whole number
+        return None
     forms = {_form(token) for token in before}
     if (
         len(forms) > 1

@@ -1,108 +1,78 @@
-"""Directions of components, by one rule for all formats.
+"""Directions of components, by one rule for all formats and for names of files.
 
-A name states a direction by a SEED code (HNZ, BHE), by a word of some language (Up,
-vertical, U-D, north), by an angle (360 Deg, S62W), or by a letter (N, E, Z, V2).
+A name states a direction by a SEED code (HNZ, BHE), by a word (Up, vertical, U-D,
+north), by an angle (360 Deg, S62W), or by a letter (N, E, Z, V2). Another name states
+none: nobody knows whether HN3 is vertical, while HN1 and HN2 are horizontal beside it.
 """
 
 import re
+from itertools import pairwise
+from pathlib import PurePath
 
 from .units import plain
 
-_UP_WORDS = (
-    r"up|upward|upwards|ud|u-d|u/d|u_d|du|dn|down|downward|dwn|vrt|ver|vert\w*|"
-    r"vertikale?|dusey|上下|竖向|垂直|竖直"
-)
-_VERTICAL = re.compile(
-    rf"(?<![a-z])[-+]?(?:{_UP_WORDS})\d{{0,2}}(?![a-z])"
-    r"|^[-+]?[uvz]\d{0,2}(?![a-z\d])(?!\d*[ew]\b)"  # V2, +Z, Z (3)
-    r"|(?:^|[ ._])[bhefcdslmgv][hnlgmp]z\d{0,2}(?:$|[ ._(])"  # HNZ, BHZ00, XX.ABC..HNZ
-    r"|(?:^|[ ._])[-+]?[uvz](?:$| \(\d+\)$| comp\w*$)"
-)
-_ACROSS_WORDS = (
-    r"n|s|e|w|ns|sn|ew|we|n-s|s-n|e-w|w-e|n/s|e/w|n_s|e_w|eo|oe|e-o|o-e|"
-    r"north|south|east|west|northsouth|"
-    r"eastwest|nord|sud|est|ovest|ost|norte|sur|este|oeste|kuzey|guney|dogu|bati|"
-    r"x|y|l|t|r|h|h1|h2|hor\w*|long|longitudinal|lon|longi|"
-    r"trans|transverse|tran|transversal|"
-    r"radial|rad|tangential|南北|东西|東西"
-)
-_ACROSS = re.compile(
-    rf"^[-+]?(?:{_ACROSS_WORDS})\d?(?: comp\w*)?$"
-    r"|^(?:\d{2,3}(?:\.0*)?|\d{1,3}(?:\.\d*)? ?(?:deg\w*|°))$"
-    r"|^[ns] ?\d{1,2}(?: ?(?:deg\w*|°))? ?[ew]$"
-    r"|(?:^|[ ._])(?!ch\d)[bhefcdslmgv][hnlgmp][ens123rtxy]\d{0,2}(?:$|[ ._(])"
-)
+UP, DOWN, ACROSS, UNKNOWN = "up", "down", "across", "unknown"
+_NAMES = {
+    UP: "u v z up ud upward upwards vert vertical vertikal vertikale ver vrt dusey 上下"
+    " 竖向 垂直 竖直",
+    DOWN: "d du dn dwn down downward",
+    ACROSS: "n s e w o x y l t r h ns sn ew we eo oe north south east west nord sud est"
+    " ovest ost norte sur este oeste kuzey guney dogu bati northsouth eastwest hor"
+    " horiz horizontal lon long longi longitudinal trans tran transverse transversal"
+    " rad radial radi tangential 南北 东西 東西",
+}
+_WORDS = {word: name for name, words in _NAMES.items() for word in words.split()}
+_SEED = re.compile(r"(?!ch\d)[bhefcdslmgv][hnlgmp]([a-z123])\d{0,2}")
+_ANGLE = re.compile(r"\d{2,3}(?:\.0*)?|\d{1,3}(?:\.\d*)?(?:deg\w*|°)|[ns]\d{1,2}[ew]")
+_COMPONENT = re.compile(r"\b(?:comp(?:onent)?|dir(?:ection)?)\b\.?")
 
 
-# what stands between `Component` and the direction, as in `Component: CHAN 2: UP`
-_CHANNEL = re.compile(
-    r"(?:[\s:=,;(\[#]++|[-–](?=\s)"
-    r"|(?:chan(?:nel)?|chn|ch|sensor|trace|track|loc(?:ation)?|kanal|canale?)\.?\s*"
-    r"(?:no\.?\s*)?\d{0,3}(?![\w.])"
-    r"|acc\w*\.?(?=\s)"
-    r"|\d{1,2}(?=\s*[:=(\[]|\s+[-–]\s))*"
-    r"([-+\w./]+(?: deg)?)",
-    re.IGNORECASE,
-)
-_TITLE_OF_UP = re.compile(
-    r"(\bvert(?:ical)?|(?<=[-–] )(?:up|ud|u-d|down|dn|vrt)|(?<=comp )[vz])"
-    r"(?:\s+comp(?:onent)?\.?)?\W*$",
-    re.IGNORECASE,
-)
+def direction_of(name: str) -> str:
+    """Return UP, DOWN or ACROSS as a name states it, else UNKNOWN."""
+    text = re.sub(r"\([^)]*\)", "", plain(name))  # Up (3), of equal names
+    text = _COMPONENT.sub("", text).strip(" :=.").rstrip("- ")
+    whole = _of_word(re.sub(r"[\s_]+", "", text))
+    if whole != UNKNOWN or _ANGLE.fullmatch(re.sub(r"\s+", "", text)):
+        return ACROSS if whole == UNKNOWN else whole
+    words = [x for x in re.split(r"[\s.,:;()\[\]]+", text) if x]
+    pairs = [a + b for a, b in pairwise(words) if b[:3] == "deg"]
+    # a letter counts alone or at the end: the N of `N wing` is no direction
+    long = [x for x in words[:-1] if len(x.strip("+-")) > 1] + words[-1:]
+    found = [_of_word(x) for x in long if not x.isdecimal()]
+    found += [ACROSS for x in pairs if _ANGLE.fullmatch(x)]
+    return next((x for x in (UP, DOWN, ACROSS) if x in found), UNKNOWN)
 
 
-# keys of an angle; beside one may stand UP, and a dip of 90 deg is vertical
-_ANGLE = re.compile(
-    r"\b(?:(?:azimuth?|axis|sensor|achse|asse|eje)\W*(?P<word>[^\W\d_]+)"
-    r"|(?:dip|inclination)\W*[-+]?90(?:\.0*)?(?!\.?\d))",
-    re.IGNORECASE,
-)
+def _of_word(word: str) -> str:
+    """The direction of one word such as U-D, +Z, V2, HNE or N28W."""
+    letters = re.sub(r"(?<=\w)[-/_](?=\w)", "", word.lstrip("+-"))
+    if seed := _SEED.fullmatch(letters):
+        return ACROSS if seed[1] in "12" else _WORDS.get(seed[1], UNKNOWN)
+    if _ANGLE.fullmatch(letters) and not letters[0].isdecimal():
+        return ACROSS
+    found = _WORDS.get(re.sub(r"\d{1,2}$", "", letters), UNKNOWN)
+    turned = found in (UP, DOWN) and word.startswith("-")
+    return {UP: DOWN, DOWN: UP}[found] if turned else found
 
 
-def vertical_by_angle(words: str) -> str | None:
-    """Return the vertical direction that a line states in the place of an angle, as
-    `Azimuth: UP` or `Dip: -90`.
+def is_component(name: str) -> bool:
+    """True if a name states a direction, or is a SEED code."""
+    return direction_of(name) != UNKNOWN or _SEED.fullmatch(plain(name)) is not None
+
+
+def is_vertical_name(name: str) -> bool:
+    """True if a name states the vertical direction, upwards or downwards."""
+    return direction_of(name) in (UP, DOWN)
+
+
+def up_in_name(source: str) -> str | None:
+    """Return the vertical direction in the last part of a file name, as of S1_Z.AT2,
+    ELC-UP.txt and S1.ud; None without one. A V is one in capitals only.
     """
-    for found in _ANGLE.finditer(words):
-        if found["word"] is None or is_up(found["word"]):
-            return found["word"] or "vertical"
+    path = PurePath(source.removesuffix(".gz"))
+    for part in (path.suffix[1:], re.split(r"[\s_.\-]+", path.stem)[-1]):
+        letters = part.lower()
+        stated = part == "V" or letters == "z" or len(re.sub(r"\d", "", part)) > 1
+        if stated and part != path.name and is_vertical_name(part):
+            return part
     return None
-
-
-def direction_behind(words: str) -> str:
-    """Return the word behind `Component` and words such as CHAN 2, which may be a
-    direction.
-    """
-    found = _CHANNEL.match(words)
-    return "" if found is None else found[1].strip(".")
-
-
-def up_at_end(title: str) -> str | None:
-    """Return the vertical direction at the end of a title, as of EL CENTRO VERTICAL."""
-    found = _TITLE_OF_UP.search(title)
-    return None if found is None else found[1]
-
-
-def is_up(name: str) -> bool:
-    """True if a name states the vertical direction."""
-    return _VERTICAL.search(plain(name).strip()) is not None
-
-
-def is_up_alone(words: str) -> bool:
-    """True if words state the vertical direction and nothing else, as UP COMPONENT."""
-    kept = [
-        x
-        for x in words.split()
-        if not re.fullmatch(r"(?i)(?:comp|component|dir)\.?:?", x)
-    ]
-    return len(kept) == 1 and is_up(kept[0])
-
-
-def is_across(name: str) -> bool:
-    """True if a name states a horizontal direction."""
-    return not is_up(name) and _ACROSS.search(plain(name).strip()) is not None
-
-
-def is_direction(name: str) -> bool:
-    """True if a name states a direction."""
-    return is_up(name) or is_across(name)

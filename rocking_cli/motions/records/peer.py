@@ -1,6 +1,6 @@
 """PEER AT2: lines of text, one of which is `NPTS=  n, DT=  x SEC` (older files:
-`n  x  NPTS, DT`), then n values. A line above it states the quantity and the unit, g
-where it names only an acceleration.
+`n  x  NPTS, DT`), then n values. The line above it states the quantity and the unit, g
+where it names only an acceleration; the lines above that are titles.
 """
 
 import re
@@ -8,12 +8,13 @@ from itertools import takewhile
 
 import numpy as np
 
-from .claims import Claims
-from .directions import is_up, is_up_alone
+from .directions import is_vertical_name
+from .headings import ACCELERATIONS, other_quantity
 from .printed_numbers import finite_number
 from .record import Series
 from .text import Layout, RecordText, begins
 from .times import even_step
+from .units import is_foreign, plain, unit_of
 
 NAME = "PEER AT2"
 _NUMBER = r"([-+.\dEeDd]+)"
@@ -24,7 +25,13 @@ _OLDER = re.compile(
     rf"^\s*{_NUMBER}\s*,?\s+{_NUMBER}\s*,?\s*NPTS\s*,?\s*DT\b()", re.IGNORECASE
 )
 _SAID, _TRAILER = re.compile(r"\S.*"), re.compile(r"\W*(?:END|EOF)\b", re.IGNORECASE)
-_BRACKETS = re.compile(r"\([^)]*\)")
+# what stands beside the word acceleration, and behind its unit
+_BESIDE = {
+    *("time", "series", "history", "data", "values", "in", "en", "units", "unit", "of"),
+    *("corrected", "uncorrected"),
+}
+_FILTER = re.compile(r"\.?\s*\bfilter\b.*", re.IGNORECASE)
+_UP = re.compile(r"(?:(,|\bcomp\w*\.?)\s*|[-–:\s])([-+\w]+)(?: comp\w*)?\W*$", re.I)
 _MANY = 1000  # lines that show whether their first numbers are times
 
 _BEGIN = begins(rf"(?:.*\n){{0,49}}?.*(?:{_COUNT.pattern}|{_OLDER.pattern})")
@@ -59,30 +66,43 @@ def read(text: RecordText) -> list[Series]:
             above.append((line, text.line - 1))
     if line is None or found is None:
         raise text.fault("no line NPTS=, DT=")
-    claims = Claims(text.no_acceleration)
-    for i, (words, number) in enumerate(above):
-        claims.take(words, number, strict=i == len(above) - 1)
-    before, behind = found.string[: found.start()], found.string[found.end() :]
-    claims.take(before, text.line - 1)
+    behind = found.string[found.end() :]
     if re.match(r"\W*\d", behind):  # DT= 1/100
         raise text.fault(f"found {behind.strip()!r} after the time step {found[2]!r}")
-    claims.take(behind, text.line - 1)
     count = text.count(found[1])
     dt = text.step(found[2]) * text.seconds(found[3])
-    unit = claims.unit or ("g" if claims.acceleration else text.given.unit)
-    if unit is None:
-        last = above[-1][0].strip() if above else found.string.strip()
-        said = (
-            f"found {last!r}; expected a line such as ACCELERATION IN UNITS OF G, or"
-            " `unit`"
-        )
-        raise text.fault(said, above[-1][1] if above else None)
+    unit = _unit(text, *(above[-1] if above else ("", text.line - 1)))
     samples, remark = _samples(text, count, dt)
     trailer = None if remark else text.find(_SAID)
     if trailer is not None and not _TRAILER.match(trailer[0]):
         said = f"found {trailer[0].strip()[:60]!r} after the {count} values declared"
         raise text.fault(f"{said}; expected nothing, or a line that says end")
-    return [Series(_upwards(claims, above), dt, samples, unit, remark=remark)]
+    return [Series(_upwards(above[:-1]), dt, samples, unit, remark=remark)]
+
+
+def _unit(text: RecordText, said: str, line: int) -> str:
+    """The unit in the line that states the quantity, or that of the user. Raises
+    DocumentError.
+    """
+    quantity = _FILTER.sub("", said)
+    words = [x for x in re.split(r"[\s,;:()\[\]{}=]+", quantity) if x]
+    words = [y for x in words for y in (x.split("-") if unit_of(x) is None else [x])]
+    units = [unit for x in words if (unit := unit_of(x))]
+    names = [plain(x).strip(".") for x in words if unit_of(x) is None]
+    if other_quantity(quantity) or any(map(is_foreign, words)):
+        raise text.no_acceleration(
+            f"found {said.strip()!r}; expected an acceleration", line
+        )
+    left = [x for x in names if x not in ACCELERATIONS and x not in _BESIDE]
+    if len(left) < len(names) and not left and set(names) & ACCELERATIONS:
+        return units[0] if units else "g"
+    if text.given.unit is None:
+        raise text.fault(
+            f"found {said.strip()!r} above the number of values; expected a line such"
+            " as ACCELERATION IN UNITS OF G, or `unit`",
+            line,
+        )
+    return text.given.unit
 
 
 def _samples(text: RecordText, count: int, dt: float) -> tuple[np.ndarray, str]:
@@ -125,13 +145,12 @@ def _first_numbers_rise(text: RecordText, width: int) -> bool:
     return rising and bool((steps >= 0.0).all())
 
 
-def _upwards(claims: Claims, above: list[tuple[str, int]]) -> str | None:
-    """The component if it is vertical: at the end of a line of words between commas."""
-    for words, _ in above:
-        last = (
-            _BRACKETS.sub(" ", words.rpartition(",")[2]).strip() if "," in words else ""
-        )
-        if is_up_alone(last):
-            return last
-    up = claims.component
-    return up if up is not None and is_up(up) else None
+def _upwards(titles: list[tuple[str, int]]) -> str | None:
+    """The component if a title ends with the vertical direction: a word such as UP or
+    VERTICAL, or a letter behind a comma.
+    """
+    for words, _ in titles:
+        end = _UP.search(re.sub(r"\([^)]*\)", " ", words).rstrip())
+        if end and (end[1] or len(end[2]) > 1) and is_vertical_name(end[2]):
+            return end[2]
+    return None

@@ -1,397 +1,351 @@
-"""Plain text: columns of numbers below lines that say what they are.
+"""Plain text: columns of numbers under at most one heading line.
 
-One column of accelerations, two of times and accelerations, or several, of which a
-heading names the quantities and directions. What the headings do not say, the user
-states (unit, step, column), and what they say, the user may not contradict.
+One column of accelerations, two of times and accelerations, or several. A heading says
+the quantity, unit and direction of its column. What it does not say the user states
+(`unit`, `dt`, `column`); the user counts the lines above it (`skip`), which nobody
+reads.
 """
 
+import csv
 import re
-from pathlib import Path
+from pathlib import PurePath
 
 import numpy as np
 
 from ...arrays import Array
 from ...errors import DocumentError, UsageError
-from .claims import Claims, agree
-from .first_numbers import without_first_numbers
-from .headings import ACCELERATION, BARE, FREQUENCY, PERIOD, TIME, UNKNOWN, HeadingCell
+from .headings import ACCELERATION, INDEX, TIME, UNKNOWN, Heading, heading_of
 from .record import EVERY, Series
-from .rows import NumberRows, is_row, rows_of
+from .rows import NumberRows, counts_up, is_row, rows_of, unlike_samples
 from .text import RecordText
 from .times import even_step, is_even
-from .titles import (
-    AMBIGUOUS,
-    cells_above,
-    headings,
-    require_no_row,
-    titles_of,
-    unmarked,
-)
 from .units import ACCELERATIONS, WRITTEN_UNITS
 
 NAME = "text"
 _MOST_TITLE_LINES = 120
+# the sign of a comment; `#` alone in a cell is a heading, the number of a row
+_COMMENT = re.compile(r"^\s*(?:[#%!*>]|//)+\s*(?![\s,;])")
+_CELL = re.compile(r"[^\s\[({<]+(?:\s*[\[({<][^\])}>]{0,200}[\])}>])?")
+_DATE = re.compile(r"\s*\"?\d{4}-\d\d-\d\d[T ]\d\d:\d\d(?::[\d.]*)?Z?")
 # what files of other quantities hold, by the last part of their names
 _OTHER_FILES = {
-    **dict.fromkeys(("vel", "velo", "veloc", "velocity", "vt2"), "velocities"),
-    **dict.fromkeys(
-        ("dis", "disp", "displ", "dsp", "displacement", "dt2"), "displacements"
-    ),
-    **dict.fromkeys(
-        ("sa", "psa", "rsp", "rs", "spc", "spectrum", "spectra"), "a spectrum"
-    ),
-    **dict.fromkeys(("fft", "fas", "fourier"), "a Fourier spectrum"),
+    **dict.fromkeys(("vel", "velocity", "vt2"), "velocities"),
+    **dict.fromkeys(("dis", "disp", "displacement", "dt2"), "displacements"),
+    **dict.fromkeys(("sa", "psa", "rsp", "spectrum", "fft", "fas"), "a spectrum"),
 }
-_FEWEST = 10  # numbers in one column, without a word, of a motion
+_USUAL = (TIME, INDEX, ACCELERATION)
+_LONGEST_HEADINGS = 10_000  # characters of a line of headings
 _FEW = 4  # lines that may rise evenly by chance
-_MANY = 5  # so many columns are no components: a short last line shows values in a row
+_FEWEST = 10  # numbers in one column, without a word, of a motion
+_STEPS_AGREE = 1e-3  # relative
 
 
 def recognise(head: str) -> bool:
-    """True if rows of numbers begin after at most 120 lines of other text."""
+    """True if rows of numbers, or of a date and a number, begin after at most 120 lines
+    of other text.
+    """
     lines = [line for line in head.split("\n", _MOST_TITLE_LINES + 3) if line.strip()]
-    above = lines[: _MOST_TITLE_LINES + 1]
+    rows = [is_row(x) or _date(x) is not None for x in lines]
     # the last line has itself below
-    below = [*lines[1:], lines[-1] if lines else ""][: len(above)]
-    return any(is_row(x) and is_row(y) for x, y in zip(above, below, strict=True))
+    below = [*rows[1:], rows[-1]] if rows else []
+    both = list(zip(rows, below, strict=True))[: _MOST_TITLE_LINES + 1]
+    return any(row and next_row for row, next_row in both)
 
 
 def read(text: RecordText) -> list[Series]:
     """Return the components of the file. Raises DocumentError and UsageError."""
-    titles = list(titles_of(text))
-    rows = rows_of(text, cells_above(titles))
-    claims = Claims(text.fault)
-    above = [x for x in titles if is_row(unmarked(x.text))]  # marked as comments
-    titles = [x for x in titles if x not in above]
-    cells, others = headings(text, titles, rows)
-    for title in others:
-        require_no_row(text, title, rows.columns)
-        text.require_short(title.text, title.line)
-        claims.take(
-            title.text, title.line, strict=title == titles[-1] and rows.columns == 1
+    above = _lines_above(text)
+    last, number = above[-1] if above else ("", 0)
+    heading = _COMMENT.sub("", last).strip()
+    rows = rows_of(text, heading)
+    every = text.given.column == EVERY
+    cells = _cells(heading, rows.separator, 1 if every else rows.columns)
+    if len(above) > 1:
+        usual = cells is not None and all(x.role in _USUAL for x in cells)
+        raise text.fault(
+            f"found {_short(above[0][0])} and more lines above the numbers; expected"
+            " one heading line at most:"
+            f" `skip` {above[-2][1] if usual else number} passes over lines above",
+            above[0][1],
         )
-    rows, remark = without_first_numbers(text, claims, rows, above)
-    if rows.values.size == 0:
-        raise text.fault("no numbers")
-    table = _NumberTable(text, claims, rows, cells)
-    found = table.wrapped() if table.is_wrapped else table.columns()
-    table.require_count(found[0].samples.size)
-    return [
-        x._replace(remark="; ".join(filter(None, (x.remark, remark)))) for x in found
-    ]
+    if heading and cells is None:
+        raise text.fault(
+            f"found {_short(heading)} above {rows.columns} columns; expected a heading"
+            f" for each, or `skip` {number}, which passes over it",
+            number,
+        )
+    table = _Table(text, rows, cells, number)
+    return table.wrapped() if every else table.columns()
 
 
-def agreeing(said: str, given: str | None) -> bool:
-    """True unless the user states a unit of another size."""
-    return given is None or ACCELERATIONS[given] == ACCELERATIONS[said]
+def _date(line: str) -> str | None:
+    """The date before the numbers of a row, None for another line."""
+    found = _DATE.match(line)
+    dated = found is not None and is_row(f"0{line[found.end() :]}")
+    return found[0].strip() if found is not None and dated else None
 
 
-class _NumberTable:
-    """The numbers of a file with what its headings and its user say of them."""
+def _short(words: str) -> str:
+    return repr(words.strip() if len(words) < 63 else words.strip()[:60] + "...")
+
+
+def _lines_above(text: RecordText) -> list[tuple[str, int]]:
+    """Read up to the first of two rows of numbers; return the lines above, which are
+    not blank, with their numbers.
+    """
+    above: list[tuple[str, int]] = []
+    while (line := text.any_line()) is not None:
+        number = text.line - 1
+        if (date := _date(line)) is not None:
+            raise text.fault(f"found {date!r}; expected a time in s", number)
+        if is_row(line):
+            rest = text.decoded(text.raw[text.at : text.at + 20_000]).lstrip()
+            if not rest or is_row(rest.split("\n", 1)[0]):
+                text.at, text.line = text.begin, number
+                return above
+        if line.strip():
+            if len(line) > _LONGEST_HEADINGS:
+                text.require_short(line, number)
+            above.append((line, number))
+    raise text.fault("no numbers")
+
+
+def _cells(heading: str, separator: str, columns: int) -> list[Heading] | None:
+    """What a line says of so many columns; None if it has another number of cells."""
+    if not heading:
+        return None
+    words = [heading] if columns == 1 else _parted(heading, separator, columns)
+    cells: list[Heading] = []
+    for word in words or ():
+        cells.append(heading_of(word, first=all(x.role == INDEX for x in cells)))
+    return cells or None
+
+
+def _parted(line: str, separator: str, columns: int) -> list[str] | None:
+    """The cells of a line in one of the ways that give as many as there are columns."""
+    for mark in dict.fromkeys((separator, ",", ";", "\t")):
+        if mark in line and mark != " ":
+            cells = next(csv.reader([line], delimiter=mark, skipinitialspace=True), [])
+            while cells and not cells[-1].strip() and len(cells) > columns:
+                cells.pop()
+            if len(cells) == columns:
+                return cells
+    for ways in (re.split(r"\s{2,}|\t", line), line.split(), _CELL.findall(line)):
+        if len(ways) == columns:
+            return [str(x) for x in ways]
+    return None
+
+
+class _Table:
+    """The numbers of a file with what its heading and its user say of them."""
 
     def __init__(
         self,
         text: RecordText,
-        claims: Claims,
         rows: NumberRows,
-        cells: list[HeadingCell] | None,
+        cells: list[Heading] | None,
+        line: int,
     ) -> None:
-        self.text, self.claims, self.rows, self.cells = text, claims, rows, cells
-        self.width = rows.columns
-
-    @property
-    def is_wrapped(self) -> bool:
-        """True if each line goes on where the one before it ends."""
-        counts, said = self.rows.counts, self.claims.count
-        if self.text.given.column == EVERY:
-            return True
-        if (
-            self.width == 1
-            or self.cells is not None
-            or self.text.given.column is not None
-        ):
-            return False
-        full = bool((counts[:-1] == self.width).all()) and counts[-1] <= self.width
-        total = said == int(counts.sum()) and said != counts.size
-        times = self.rows.values[: int(counts[:-1].sum()) : self.width]
-        rising = times.size > 2 and bool((np.diff(times) > 0.0).all())
-        short = (
-            counts.size > 1
-            and counts[-1] < self.width
-            and self.width >= _MANY
-            and not rising
-        )
-        return full and (total or short)
+        self.text, self.rows, self.cells, self.line = text, rows, cells, line
+        self.width, self.given = rows.columns, text.given
+        self.told: list[str] = []
 
     def wrapped(self) -> list[Series]:
-        """The one record of lines of several values."""
-        first = self.rows.values[:: self.width]
-        if (
-            self.rows.counts.size > _FEW
-            and (self.rows.counts == self.width).all()
-            and is_even(first)
-        ):
-            said = "the first numbers of the lines rise evenly, as times do"
-            raise self.text.fault(
-                f"{said}; `column` {EVERY} is for lines of values alone",
-                int(self.rows.lines[0]),
+        """The one record of lines of several values, without the numbers of the
+        lines.
+        """
+        ends = np.cumsum(self.rows.counts)
+        starts, values = ends - self.rows.counts, self.rows.values
+        counted = [x for x in (starts, ends - 1) if counts_up(values[x])]
+        if counted and self.width > 1:
+            self.told.append("a number that counts the lines, left out")
+            values = np.delete(values, counted[0])
+        elif len(starts) > _FEW and self.width > 1 and is_even(values[starts]):
+            raise self.fault(
+                "the first numbers of the lines rise evenly, as times do; `column`"
+                f" {EVERY} is for lines of values alone"
             )
-        unit, dt = self.unit(None), self.step()
-        told = self.claims.count is None and self.text.given.column is None
-        remark = f"{self.width} values a line, which are read one line after the other"
-        name, values = self.claims.component, self.rows.values
-        return [Series(name, dt, values, unit, remark=remark if told else "")]
+        self.require_samples()
+        return [self.series(values, self.cell(0))]
 
     def columns(self) -> list[Series]:
         """The records of a table, or of a single column."""
-        self.require_even_lines()
+        odd = np.flatnonzero(self.rows.counts != self.width)
+        if odd.size:
+            found = self.rows.counts[odd[0]]
+            raise self.text.fault(
+                f"found {found} numbers, {self.width} on the lines before; expected as"
+                f" many, or `column` {EVERY} where each line goes on from the last",
+                int(self.rows.lines[odd[0]]),
+            )
         values = self.rows.values.reshape(-1, self.width)
         if self.width == 1:
-            if self.text.given.column not in (None, "1"):
-                raise self.no_column("one column")
-            self.require_motion(values)
-            unit = self.unit(None)
-            return [Series(self.claims.component, self.step(), values[:, 0], unit)]
-        time = self.time_column(values)
-        taken = self.taken(values, time)
-        dt, remark = self.step_of_times(values, time), self.left_out()
-        found = []
-        for i in taken:
-            cell = None if self.cells is None else self.cells[i]
-            name = self.name_of(i, cell, len(taken))
-            unit = self.unit(cell)
-            found.append(Series(name, dt, values[:, i].copy(), unit, remark=remark))
-        return found
+            self.require_samples()
+        begin, time = self.leading(values)
+        taken = self.taken(values, begin, time)
+        times = None if time is None else (values[:, time], self.cell(time))
+        return [self.series(values[:, i].copy(), self.cell(i), times) for i in taken]
 
-    def require_motion(self, values: Array) -> None:
-        """Raise NoAcceleration for a short list in a directory, as of factors or
-        periods.
+    def series(
+        self,
+        values: Array,
+        cell: Heading | None,
+        times: tuple[Array, Heading | None] | None = None,
+    ) -> Series:
+        """The record of values under a heading, with the column of times."""
+        unit, dt = self.unit(cell), self.step(times)
+        name = None if cell is None else cell.component
+        return Series(name, dt, values, unit, remark="; ".join(self.told))
+
+    def cell(self, column: int) -> Heading | None:
+        return None if self.cells is None else self.cells[column]
+
+    def fault(self, what: str) -> DocumentError:
+        """Return the error at the heading, or at the first numbers without one."""
+        return self.text.fault(what, self.line or int(self.rows.lines[0]))
+
+    def require_samples(self) -> None:
+        """Refuse first numbers that seem to be no samples, and a short list in a
+        directory, as of factors or periods.
         """
-        said = self.claims.unit is not None or self.claims.acceleration
-        if not self.text.given.named and not said and len(values) < _FEWEST:
-            words = f"{len(values)} numbers, too few for a motion"
+        if self.cells is None and not self.given.as_it_stands:
+            first = unlike_samples(self.rows, self.given.dt or 0.0)
+            if first:
+                above = int(self.rows.lines[0]) + first - 1
+                words = " and ".join(x.decode("ascii") for x in self.rows.words[:first])
+                raise self.fault(
+                    f"found {words} above other numbers, as of a number of values, a"
+                    f" step or a rate; expected samples alone: `skip` {above} passes"
+                    " over it, `as_it_stands` takes it"
+                )
+        if self.rows.values.size < _FEWEST and not self.given.named and not self.cells:
             raise self.text.no_acceleration(
-                f"{words}; they are taken where the file itself is named", 1
+                f"{self.rows.values.size} numbers, too few for a motion; they are taken"
+                " where the file itself is named",
+                1,
             )
 
-    def require_even_lines(self) -> None:
-        counts, lines = self.rows.counts, self.rows.lines
-        if (counts != self.width).any():
-            odd = int(np.argmax(counts != self.width))
-            said = f"found {counts[odd]} numbers, {self.width} on the lines before"
-            raise self.text.fault(said, int(lines[odd]))
+    def leading(self, values: Array) -> tuple[int, int | None]:
+        """(number of leading columns that are no values, that of the times)."""
+        cell, begin = self.cell(0), 0
+        counted = self.width > 1 and counts_up(values[:, 0])
+        if counted and (cell is None or cell.role == INDEX):
+            self.told.append("column 1 counts the lines, left out")
+            cell, begin = self.cell(1), 1
+        left = self.width - begin
+        if cell is not None and cell.is_other and left > 1:
+            raise self.fault(f"found {cell.text!r} ({cell.role}); expected a time")
+        if left == 1 or (cell is not None and cell.role == ACCELERATION):
+            return begin, None
+        if cell is not None and cell.role == UNKNOWN and self.given.column is None:
+            raise self.not_understood(cell)
+        if cell is None or cell.role == UNKNOWN:
+            if left > 2 and not is_even(values[:, begin]):
+                return begin, None
+        elif cell.role == INDEX:
+            raise self.fault(f"found no name of column {begin + 1}; expected a time")
+        return begin + 1, begin
 
-    def require_count(self, found: int) -> None:
-        said = self.claims.count
-        if said is not None and said != found:
-            quoted = self.claims.quoted["count"]
-            raise self.text.fault(f"{found} values, where {quoted!r} states {said}")
-
-    def time_column(self, values: Array) -> int | None:
-        """The column of times, None without one."""
-        first = self.cells[0] if self.cells is not None else None
-        line = int(self.rows.lines[0])
-        if first is not None and first.role in (PERIOD, FREQUENCY):
-            what = f"found {first.text!r}, a {first.role}; expected a time"
-            why = (
-                "; a time is called t or time" if first.text.strip()[:1] == "T" else ""
-            )
-            raise self.text.fault(f"{what}: a spectrum is no record{why}", line - 1)
-        if first is not None:
-            return 0 if first.role == TIME else None
-        time = values[:, 0]
-        rising = bool((np.diff(time) > 0.0).all())
-        steps = np.diff(time)
-        even = (
-            rising
-            and steps.size > 0
-            and float(steps.max()) <= 1.5 * float(np.median(steps))
-        )
-        if self.width == 2:
-            return 0
-        return 0 if even else None
-
-    def taken(self, values: Array, time: int | None) -> list[int]:
+    def taken(self, values: Array, begin: int, time: int | None) -> list[int]:
         """The columns of accelerations that are wanted."""
-        given = self.text.given.column
-        if given is not None:
-            self.require_one_time(values, time)
-            return [self.asked(given, time)]
+        if self.given.column is not None:
+            return [self.asked(self.given.column, values, time)]
+        if self.cells is None and self.width > begin + 1:
+            raise self.fault(
+                f"{self.width} columns without headings; expected the number of one as"
+                f" `column`, or `column` {EVERY} where each line goes on from the last"
+            )
+        held = range(begin, self.width)
         if self.cells is None:
-            if self.width == 2:
-                return [1]
-            first = "the first of times" if time == 0 else "none of times"
-            raise self.text.fault(
-                f"{self.width} columns without headings, {first}; give the one of the"
-                f" accelerations as `column`, or `column` {EVERY} where each line goes"
-                " on from the one before",
-                int(self.rows.lines[0]),
-            )
-        return self.accelerations()
+            return list(held)
+        return self.accelerations(self.cells, list(held))
 
-    def require_one_time(self, values: Array, time: int | None) -> None:
-        """Raise DocumentError for lines of several pairs of time and value."""
-        if (
-            self.cells is not None
-            or time is None
-            or len(values) <= _FEW
-            or not is_even(values[:, 0])
-        ):
-            return
-        step = values[1, 0] - values[0, 0]
-        for i in range(1, self.width):
-            if is_even(values[:, i]) and agree(step, values[1, i] - values[0, i]):
-                said = f"columns 1 and {i + 1} rise alike, as times do"
-                raise self.text.fault(
-                    f"{said}; expected one time a line", int(self.rows.lines[0])
-                )
-
-    def left_out(self) -> str:
-        """A remark that names the columns of other quantities."""
-        if self.cells is None or self.text.given.column is not None:
-            return ""
-        others = [cell.text for cell in self.cells if cell.is_other]
-        return f"columns left out: {', '.join(others)}" if others else ""
-
-    def accelerations(self) -> list[int]:
-        """The columns whose headings name accelerations or directions."""
-        assert self.cells is not None
-        line = int(self.rows.lines[0])
-        begin = 1 if self.cells[0].is_time_or_like else 0
-        held = list(enumerate(self.cells))[begin:]
-        for _, cell in held:
-            if cell.role == UNKNOWN or cell.is_time_or_like:
-                odd = cell.odd or cell.text
-                raise self.text.fault(
-                    f"found {odd!r} in the heading {cell.text!r}, which is not"
-                    " understood; expected an acceleration, its unit and direction, or"
-                    " `column`",
-                    line - 1,
-                )
-        found = [i for i, cell in held if cell.role in (ACCELERATION, BARE)]
-        said = [i for i in found if self.cells[i].role == ACCELERATION]
-        spectra = [cell for _, cell in held if "spectrum" in cell.role]
-        if not found or (spectra and not said):
-            cell = spectra[0] if spectra else held[0][1]
-            raise self.text.fault(
-                f"found {cell.text!r} ({cell.role}); expected an acceleration", line - 1
+    def accelerations(self, cells: list[Heading], held: list[int]) -> list[int]:
+        """The columns whose headings name accelerations, others told."""
+        for i in held:
+            if cells[i].role in (UNKNOWN, INDEX, TIME):
+                raise self.not_understood(cells[i])
+        found = [i for i in held if cells[i].role == ACCELERATION]
+        others = [cells[i] for i in held if cells[i].is_other]
+        if not found:
+            cell = others[0]
+            raise self.fault(
+                f"found {cell.text!r} ({cell.role}); expected an acceleration"
             )
-        alone = self.cells[found[0]]
-        if len(found) == 1 and alone.role == BARE and alone.text.strip() in AMBIGUOUS:
-            raise self.text.fault(
-                f"found the heading {alone.text!r}, a direction or another quantity;"
-                " expected an acceleration, such as a or acc",
-                line - 1,
-            )
-        nameless = [
-            self.cells[i].text for i in found if self.cells[i].component is None
-        ]
+        nameless = [cells[i].text for i in found if cells[i].component is None]
         if len(found) > 1 and nameless:
-            raise self.text.fault(
+            raise self.fault(
                 f"the headings {', '.join(map(repr, nameless))} state no direction;"
-                " expected names such as NS, EW, UD, or the number of one as `column`",
-                line - 1,
+                " expected names such as NS, EW, UD, or the number of one as `column`"
             )
+        if others:
+            left_out = ", ".join(x.text for x in others)
+            self.told.append(f"columns left out: {left_out}")
         return found
 
-    def asked(self, given: str, time: int | None) -> int:
-        """The column that the user names by its number."""
-        number = int(given) if given.isdecimal() and len(given) < 6 else 0
-        if not 1 <= number <= self.width:
-            raise self.no_column(f"{self.width} columns")
-        if number - 1 == time:
-            raise UsageError(
-                f"{self.text.source}: `column`: found {given}, which holds the times"
-            )
-        cell = None if self.cells is None else self.cells[number - 1]
-        foreign = (
-            cell is not None and cell.odd and cell.unit is None and "[" in cell.text
+    def not_understood(self, cell: Heading) -> DocumentError:
+        return self.fault(
+            f"found the heading {cell.text!r}, which is not understood; expected a name"
+            " and a unit, such as acc [m/s2], the number of a column of accelerations"
+            f" as `column`, or `skip` {self.line}"
         )
-        if cell is not None and (cell.is_other or cell.is_time_or_like or foreign):
-            raise self.text.fault(
+
+    def asked(self, given: str, values: Array, time: int | None) -> int:
+        """The column that the user names by its number."""
+        number, source = int(given), self.text.source
+        if number > self.width:
+            held = "one column" if self.width == 1 else f"{self.width} columns"
+            raise UsageError(f"{source}: `column`: found {given}; the file has {held}")
+        if number - 1 == time:
+            raise UsageError(f"{source}: `column`: found {given}, that of the times")
+        cell = self.cell(number - 1)
+        if cell is not None and cell.role not in (ACCELERATION, UNKNOWN):
+            raise self.fault(
                 f"found {cell.text!r} ({cell.role}) in column {number}; expected an"
-                " acceleration",
-                int(self.rows.lines[0]) - 1,
+                " acceleration"
+            )
+        again = [i for i in range(self.width) if i != time and is_even(values[:, i])]
+        if time is not None and self.cells is None and again and len(values) > _FEW:
+            raise self.fault(
+                f"columns {time + 1} and {again[0] + 1} rise alike, as times do;"
+                " expected one time a line"
             )
         return number - 1
 
-    def no_column(self, held: str) -> UsageError:
-        given = self.text.given.column
-        return UsageError(
-            f"{self.text.source}: `column`: found {given}; the file holds {held}"
-        )
-
-    def name_of(self, column: int, cell: HeadingCell | None, taken: int) -> str | None:
-        if cell is not None and cell.component is not None:
-            return cell.component
-        chosen = self.width > 2 and taken == 1 and self.text.given.column is not None
-        if chosen and (cell is None or cell.role != ACCELERATION):
-            return f"column {column + 1}" if cell is None else cell.text
-        return self.claims.component
-
-    # Steps and units
-
-    def step(self) -> float:
-        """The step [s] that a heading or the user states."""
-        said, given = self.claims.step, self.text.given.dt
-        columns = "one column of numbers" if self.width == 1 else "numbers"
-        if said is None and given is None and self.claims.some_time is not None:
-            words, line = self.claims.some_time
-            raise self.text.fault(
-                f"found {words!r}, which may be the step or a period; give the step as"
-                " `dt`",
-                line,
+    def step(self, timed: tuple[Array, Heading | None] | None) -> float:
+        """The step [s] of the times, or that which the user states."""
+        given, lines = self.given.dt, self.rows.lines
+        if timed is None:
+            if given is None:
+                raise DocumentError(
+                    f"{self.text.source}: {'; '.join((*self.told, 'numbers'))} without"
+                    " times; give their step as `dt`"
+                )
+            return given
+        times, cell = timed
+        if self.cells is None and is_even(times[1:]) and not is_even(times):
+            raise self.fault(
+                f"found {times[0]:g} above times that rise evenly; expected rows alone:"
+                f" `skip` {int(lines[0])} passes over it"
             )
-        if said is None and given is None:
-            raise DocumentError(
-                f"{self.text.source}: {columns} without times; give their step as `dt`"
-            )
-        if said is not None and given is not None and not agree(said, given):
-            raise self.otherwise("dt", f"{given:g} s", repr(self.claims.quoted["step"]))
-        return given if given is not None else said or 0.0
-
-    def step_of_times(self, values: Array, time: int | None) -> float:
-        """The step [s] of a table."""
-        if time is None:
-            return self.step()
-        cell = None if self.cells is None else self.cells[time]
-        seconds = cell.seconds if cell is not None else None
-        factor = seconds or self.claims.seconds or 1.0
-        lines = self.rows.lines
-        step = even_step(
-            factor * values[:, time], self.text, int(lines[0]), lines=lines
-        )
-        given, said = self.text.given.dt, self.claims.step
-        for stated, quoted in ((said, self.claims.quoted.get("step")), (given, None)):
-            if stated is None or agree(step, stated):
-                continue
-            if quoted is None:
-                raise self.otherwise("dt", f"{stated:g} s", f"times every {step:g} s")
-            raise self.text.fault(
-                f"times every {step:g} s, where {quoted!r} says otherwise"
-            )
+        factor = 1.0 if cell is None else cell.seconds
+        step = even_step(factor * times, self.text, int(lines[0]), lines=lines)
+        if given is not None and abs(step - given) > _STEPS_AGREE * step:
+            raise self.otherwise("dt", f"{given:g} s", f"times every {step:g} s")
         return step
 
-    def unit(self, cell: HeadingCell | None) -> str:
-        """The unit that a heading or the user states."""
-        said = cell.unit if cell is not None else None
-        quoted = f"the heading {cell.text!r}" if cell is not None else ""
-        above = self.claims.unit
-        if said is not None and above is not None and not agreeing(said, above):
-            words = self.claims.quoted["unit"]
-            raise self.text.fault(f"found {quoted}, where {words!r} says otherwise")
-        if said is None and self.claims.unit is not None:
-            said, quoted = self.claims.unit, repr(self.claims.quoted["unit"])
-        given = self.text.given.unit
-        if said is None:
-            self.require_name(cell)
-        if said is not None and not agreeing(said, given):
-            raise self.otherwise("unit", str(given), f"{said}, which {quoted} states")
+    def unit(self, cell: Heading | None) -> str:
+        """The unit that the heading or the user states."""
+        said, given = None if cell is None else cell.unit, self.given.unit
+        if cell is None or cell.role == UNKNOWN:
+            self.require_name()
         if said is None and given is None:
             raise DocumentError(
                 f"{self.text.source}: plain numbers without a unit; give it as `unit`,"
                 f" one of {', '.join(WRITTEN_UNITS)}"
             )
+        if said and given and ACCELERATIONS[said] != ACCELERATIONS[given]:
+            raise self.otherwise("unit", given, f"the heading {said}")
         return said or given or ""
 
     def otherwise(self, name: str, given: str, said: str) -> DocumentError:
@@ -400,16 +354,11 @@ class _NumberTable:
             f"{source}: `{name}`: found {given}; the file says otherwise: {said}"
         )
 
-    def require_name(self, cell: HeadingCell | None) -> None:
-        """Refuse a file that is named as velocities and says nothing else itself."""
-        if self.claims.acceleration or (cell is not None and cell.role == ACCELERATION):
-            return
-        name = Path(self.text.source).name.removesuffix(".gz").lower()
-        stem, _, end = name.rpartition(".")
-        words = re.split(r"[\s_.\-]+", stem)
-        long = [x for x in words[:-1] if len(x) > 3]
-        found = [_OTHER_FILES.get(x) for x in (end, words[-1], *long)]
-        what = next(filter(None, found), None)
+    def require_name(self) -> None:
+        """Refuse a file that is named as velocities where no heading says otherwise."""
+        path = PurePath(self.text.source.removesuffix(".gz").lower())
+        last = re.split(r"[\s_.\-]+", path.stem)[-1]
+        what = _OTHER_FILES.get(path.suffix[1:], _OTHER_FILES.get(last))
         if what is not None:
             raise self.text.no_acceleration(
                 f"a file that is named as {what}, and states no acceleration; expected"

@@ -7,6 +7,8 @@ import numpy as np
 from ...arrays import Array
 
 NUMBER = re.compile(rb"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?")
+# a last line such as *** End Data ***
+TRAILER = re.compile(rb"\n[^\w\n]*(?:end|eof)\b[^\n]*\s*\Z", re.IGNORECASE)
 OF_NUMBERS = b" \t\n0123456789+-.eEdD*"  # the characters of a block, with stars
 _LONGEST = 400  # characters of a number
 _D_AS_E = bytes.maketrans(b"Dd", b"Ee")  # the letter of an exponent in Fortran
@@ -61,3 +63,26 @@ def shown(token: bytes) -> str:
     else:
         reason = "which is no finite number"
     return f"{(words if len(words) <= 40 else words[:37] + '...')!r}, {reason}"
+
+
+def parted(block: bytes) -> bytes | None:
+    """Return a block whose numbers touch with blanks between its fields; None for
+    another block. The fields are as wide as the points of the first line are apart, and
+    the points of all other lines stand below these.
+    """
+    lines = block.split(b"\n")
+    first = next((x.rstrip() for x in lines if x.strip()), b"")
+    points = [x.start() for x in re.finditer(rb"\.", first)]
+    if len(points) < 2:
+        return None
+    width, behind = points[1] - points[0], len(first) - points[-1]
+    if width < behind + 1 or any(np.diff(points) != width):
+        return None
+    found = []
+    for line in lines:
+        ends = [x.start() + behind for x in re.finditer(rb"\.", line)]
+        whole = [x + behind for x in points[: len(ends)]]
+        if ends != whole or len(line.rstrip()) != (ends or [0])[-1]:
+            return None
+        found.append(b" ".join(line[max(0, x - width) : x].strip() for x in ends))
+    return b"\n".join(found)

@@ -17,7 +17,7 @@ from ...showing import Shown
 from ..blocks import largest
 from ..motion import checked_scale
 from ..polyline import Polyline
-from .directions import is_up
+from .directions import ACROSS, UNKNOWN, direction_of, is_vertical_name
 from .guard import require_no_mark, unlike_ground, unusual
 from .units import ACCELERATIONS, WRITTEN_UNITS, require_known
 
@@ -33,17 +33,18 @@ class Given(NamedTuple):
     unit: str | None = None  # unit of acceleration
     dt: float | None = None  # time step [s]
     column: str | None = None  # number of a column from 1, or EVERY
+    skip: int = 0  # lines above, which are not read
     as_it_stands: bool = False  # True takes numbers that are unlike a ground motion
     named: bool = True  # False for a file of a directory
 
     @classmethod
     def of(cls, stated: Mapping[str, Any]) -> Self:
         """Return the fields that the keywords of a reader state; others are passed
-        over. Raises UsageError for an unknown unit or column.
+        over. Raises UsageError for an unknown unit, column or number of lines.
         """
         said = {
             key: value
-            for key in ("unit", "dt", "column", "as_it_stands")
+            for key in ("unit", "dt", "column", "skip", "as_it_stands")
             if (value := stated.get(key)) is not None
         }
         unit, column = said.get("unit"), said.get("column")
@@ -56,6 +57,8 @@ class Given(NamedTuple):
             raise UsageError(
                 f"`column`: found {column!r}; expected a number from 1, or {EVERY}"
             )
+        if said.get("skip", 0) < 0:
+            raise UsageError(f"`skip`: found {said['skip']}; expected a number from 0")
         return cls(**said)
 
 
@@ -298,6 +301,8 @@ def record_of(
                 f"the header states a PGA of {stated:g} {series.unit}, the samples have"
                 f" {peak:.6g} {series.unit}"
             )
+    if direction_of(series.component or "N") == UNKNOWN and format_ != "K-NET":
+        told.append("no direction is known, so that `component` alone takes it")
     fault = unlike_ground(acceleration)
     if fault and as_it_stands:
         told, fault = [*told, fault], ""
@@ -323,7 +328,16 @@ def is_vertical(record: Record) -> bool:
     KiK-net, 3 and 6.
     """
     name = record.component or ""
-    return is_up(name) or (record.format == "K-NET" and name in ("3", "6"))
+    if record.format == "K-NET" and name.isdecimal():  # of two instruments
+        return name in ("3", "6")
+    return is_vertical_name(name)
+
+
+def is_horizontal(record: Record) -> bool:
+    """True if the component is horizontal by its name, or has no name."""
+    name = record.component
+    known = name is None or direction_of(name) == ACROSS
+    return known or (record.format == "K-NET" and not is_vertical(record))
 
 
 def accepted(records: list[Record]) -> list[Record]:
@@ -357,7 +371,7 @@ def chosen(records: Sequence[Record], component: str | None) -> list[Record]:
     if word == ALL:
         return accepted(list(records))
     if word in (None, HORIZONTAL):
-        found = [r for r in records if not is_vertical(r)]
+        found = [r for r in records if is_horizontal(r)]
         if word is None and len(found) > 2:  # a file of a building or an array
             raise UsageError(
                 f"{source}: holds the components {names_of(records)}; give one as"

@@ -11,13 +11,15 @@ from typing import NamedTuple, Self
 import numpy as np
 
 from ...arrays import Array
-from ...errors import DocumentError, NoAcceleration
+from ...errors import DocumentError, NoAcceleration, UsageError
 from .encodings import as_utf_8, encoding_of
 from .printed_numbers import (
     NUMBER,
     OF_NUMBERS,
+    TRAILER,
     finite_number,
     parsed,
+    parted,
     shown,
     words_on_lines,
 )
@@ -108,10 +110,23 @@ class RecordText:
         self.encoding = encoding_of(raw)  # its name
         if self.encoding == "utf-8" and not raw.isascii():
             self.raw = raw.replace("−".encode(), b"-").replace("\xa0".encode(), b" ")
-        # the beginning as text
-        self.head = self.decoded(self.raw[:HEAD])
         self.at, self.line = 0, 1  # place of the next byte; number of the next line
+        self.begin = 0  # place of the last line
+        self.skipped = self._skip()  # lines above, which are not read
+        # the beginning as text
+        self.head = self.decoded(self.raw[self.at : self.at + HEAD])
         self.counted = False  # True once `numbers` has read a number of them
+
+    def _skip(self) -> list[str]:
+        """Pass over the lines that the user counts, and return them."""
+        lines = [self.any_line() for _ in range(self.given.skip)]
+        if None in lines or (lines and self.at >= len(self.raw)):
+            held = self.raw.count(b"\n")
+            raise UsageError(
+                f"{self.source}: `skip`: found {self.given.skip}; the file has {held}"
+                " lines"
+            )
+        return [f"line {i}, not read: {x!r}" for i, x in enumerate(lines, 1) if x]
 
     def decoded(self, raw: bytes) -> str:
         """Return bytes of the file as text."""
@@ -183,7 +198,7 @@ class RecordText:
         return found
 
     def _take(self, lines: int) -> bytes:
-        begin = end = self.at
+        begin = end = self.begin = self.at
         while lines and end < len(self.raw):
             end = self.raw.find(b"\n", end) + 1 or len(self.raw)
             lines, self.line = lines - 1, self.line + 1
@@ -426,39 +441,32 @@ class RecordText:
                 self.line -= 1
             done += len(row)
 
-    def table(self, separators: bytes = b"") -> tuple[Array, int]:
-        """All numbers of the lines to come, and how many stand on each.
-
-        Raises DocumentError if the lines differ.
-        """
-        block = self.raw[self.at :].rstrip()
-        block = block.translate(bytes.maketrans(separators, b" " * len(separators)))
-        values, counts, lines = self.numbers_of(block)
-        columns = int(counts[0]) if counts.size else 0
-        if (counts != columns).any():
-            odd = int(np.argmax(counts != columns))
-            said = f"found {counts[odd]} numbers, {columns} on the lines before"
-            raise self.fault(said, int(lines[odd]))
-        self.at = len(self.raw)
-        return values, columns
-
     def numbers_of(self, block: bytes) -> tuple[Array, Array, Array]:
         """(numbers, how many stand on each line that is not blank, number of that
         line).
 
-        block: the rest of the file from the next line on, with blanks between numbers.
-        Raises DocumentError at a word that is no number.
+        block: the rest of the file from the next line on, with blanks between numbers
+        or in fields of one width; a last line may say that it ends. Raises
+        DocumentError at a word that is no number.
         """
+        block = TRAILER.sub(b"", block)
         each = words_on_lines(block)
         filled = np.flatnonzero(each)
         counts, lines = each[filled], self.line + filled
         values = parsed(block)
+        fields = parted(block) if values is None else None
+        if fields is not None and parsed(fields) is not None:
+            return self.numbers_of(fields)
         if values is None:
             on = np.repeat(lines, counts)
             found = [finite_number(token) for token in block.split()]
             bad = next((i for i, value in enumerate(found) if value is None), None)
             if bad is not None:
-                raise self.fault(f"found {shown(block.split()[bad])}", int(on[bad]))
+                raise self.fault(
+                    f"found {shown(block.split()[bad])}; expected numbers alone from"
+                    f" line {self.line} on",
+                    int(on[bad]),
+                )
             values = np.array(found, dtype=float)
         return values, counts, lines
 

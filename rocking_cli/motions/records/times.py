@@ -9,7 +9,7 @@ from .text import RecordText
 def is_even(values: Array) -> bool:
     """True if values rise by equal steps, as times do."""
     steps = np.diff(values)
-    return bool((steps > 0.0).all() and np.ptp(steps) < 0.01 * steps[0])
+    return bool(steps.size and (steps > 0.0).all() and np.ptp(steps) < 0.01 * steps[0])
 
 
 def even_step(

@@ -499,7 +499,7 @@ REFUSED = [
         + csmip(1, 90, SAMPLES),
         "a:1: spectra (volume 3)",
     ),
-    (csmip(1, 90, TENTH, blocks="v"), "no points of accel data, only of veloc"),
+    (csmip(1, 90, TENTH, blocks="v"), "no points of accel data, only of vel"),
     (csmip(1, 90, TENTH, blocks=""), "no line `n points of accel data`"),
     (csmip(1, 90, TENTH, points=996), "a:31: 996 points, where the header states 997"),
     (

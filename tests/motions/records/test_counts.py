@@ -182,19 +182,7 @@ LAYOUTS = {
         "{:+.8e}",
         lambda i, x: f"2020-01-01T00:00:{DT * i:09.6f}  {x:+.8e}\n",
     ),
-    "plain": Written(keyed("NPTS = {n}", "dt = 0.01", "units: gal"), 1, "{:.5f}"),
-    "plain, several a line": Written(
-        keyed("NPTS = {n}", "dt = 0.01", "units: gal"), 8, "{:11.5f}"
-    ),
-    "plain, a number above": Written(keyed("{n}"), 1, "{:.5f}"),
-    "plain, times": Written(
-        keyed("number of points: {n}", "t (s) acc (gal)"),
-        1,
-        "{:.5f}",
-        lambda i, x: f"{DT * i:.3f} {x:.5f}\n",
-    ),
 }
-STATED = {"plain, a number above": {"dt": DT, "unit": "gal"}}
 
 
 def of_length(count: int) -> np.ndarray:
@@ -205,21 +193,21 @@ def of_length(count: int) -> np.ndarray:
 def test_every_format_has_a_layout_here(tmp_path):
     modules = [import_module(f"rocking_cli.motions.records.{x}") for x in FORMATS]
     wanted = {f.NAME for m in modules for f in getattr(m, "FORMATS", (m,))}
-    for name, written in LAYOUTS.items():
+    for written in LAYOUTS.values():
         (tmp_path / "a").write_text(written.text(of_length(100), 100))
-        wanted -= {read_records(tmp_path / "a", **STATED.get(name, {}))[0].format}
+        wanted -= {read_records(tmp_path / "a")[0].format}
     assert not wanted, f"no row of {', '.join(wanted)} in LAYOUTS of this file"
 
 
 @pytest.mark.parametrize("count", [400, 403], ids=["full lines", "a part of a line"])
 @pytest.mark.parametrize("name", LAYOUTS)
 def test_another_number_in_the_header_is_refused_or_told(tmp_path, name, count):
-    written, given = LAYOUTS[name], STATED.get(name, {})
+    written = LAYOUTS[name]
     samples, path = of_length(count), tmp_path / "a"
 
     def read(stated: int):
         path.write_text(written.text(samples, stated))
-        return read_records(path, **given)
+        return read_records(path)
 
     for record in read(count):
         assert record.npts == count
@@ -238,12 +226,12 @@ def test_another_number_in_the_header_is_refused_or_told(tmp_path, name, count):
         off = found[0].acceleration - whole[:stated]
         assert np.ptp(off) <= 1e-12
     for stated in {count + 1, count + written.per_line, count + count // 3}:
-        refusal(path, written.text(samples, stated), **given)
+        refusal(path, written.text(samples, stated))
 
 
 @pytest.mark.parametrize("missing", [-1, 1])
 @pytest.mark.parametrize(
-    "name", [x for x in LAYOUTS if not x.startswith(("PEER", "SMC", "plain"))]
+    "name", [x for x in LAYOUTS if not x.startswith(("PEER", "SMC"))]
 )
 def test_another_number_in_the_first_of_two_channels(tmp_path, name, missing):
     written, samples = LAYOUTS[name], of_length(403)

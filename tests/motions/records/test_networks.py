@@ -84,7 +84,6 @@ def test_an_uncorrected_record_of_csmnc_is_one_of_the_uncorrected(tmp_path):
         ),
         ({"unit": "CM/SEC"}, "a:11: found the unit 'CM/SEC'"),
         ({"count": 404}, "the file ends after 403 of 404 values"),
-        ({"count": 395}, "found numbers after the 395 values declared"),
         ({"dt": "0"}, "a time step of 0"),
         (
             {"duration": 60},
@@ -153,7 +152,6 @@ def test_asa(tmp_path):
         ({"unit": "cm/s"}, "UNIDADES DE LOS DATOS: found 'cm/s'; expected m/s2"),
         ({"factor": 10}, "found '10'; expected FACTOR DE DECIMACION: 1"),
         ({"count": 61}, "the file ends after 180 of 183 values"),
-        ({"count": 59}, "found numbers after the 59 values declared"),
         ({"last": ".02"}, "channels of different lengths or steps, which are not read"),
         ({"names": "S00E/V"}, "found"),
     ],
@@ -182,19 +180,6 @@ def test_knet_between_commas(tmp_path):
         0.01 * (counts - counts.mean()) * 3920 / 6182761,
         rtol=1e-12,
         atol=1e-15,
-    )
-
-    values = np.stack([SAMPLES, 0.5 * SAMPLES, 0.25 * SAMPLES], axis=1)[:400]
-    below = "N-S(gal),E-W(gal),U-D(gal)\n" + "".join(
-        ",".join(f"{x:.3f}" for x in row) + "\n" for row in values
-    )
-    (tmp_path / "a.csv").write_text(f"{KNET}Max. Acc. (gal),812.5\n{below}")
-    records = read_records(tmp_path / "a.csv")
-    assert [(r.component, r.dt, r.unit) for r in records] == [
-        (x, 0.01, "gal") for x in ("N-S", "E-W", "U-D")
-    ]
-    np.testing.assert_allclose(
-        [r.acceleration for r in records], 0.01 * np.round(values.T, 3), atol=1e-12
     )
 
 
