@@ -15,9 +15,8 @@ from ..arrays import Array
 from ..dynamics.method import LINEAR, Method, governing_method
 from ..dynamics.outcome import Outcome
 from ..errors import UsageError, did_you_mean
-from ..motions.given import HasMotion
+from ..motions.given import HasMotion, recordings_from
 from ..motions.intensity_measures import Measure, measure_of
-from ..motions.named import recordings_from
 from ..spectra.sweep import SweepOptions
 from ..structures.given import Structure, structures_from
 from ..structures.parameters import RockingParameters

@@ -83,6 +83,20 @@ class Building:
         """Return the numbers on which a result depends."""
         return [list(mode) for mode in self.modes]
 
+    def moved_by(self, ground: Motion) -> Motion:
+        """Return the motion of the floor, with the name of that of the ground.
+
+        Parameters
+        ----------
+        ground
+            a motion in its own time
+
+        Returns
+        -------
+        Motion
+        """
+        return floor_of(ground, self, name=ground.name)
+
 
 def parse_building(texts: Sequence[str]) -> Building | None:
     """Return the building that texts of its modes state, None without one.

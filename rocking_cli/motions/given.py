@@ -2,16 +2,18 @@
 takes, the name of a pulse, the path of a file, the text of a grid.
 """
 
+import os
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Protocol, Union
 
-from ..errors import ArgumentError, UsageError
+from ..errors import ArgumentError, DocumentError, MotionError, UsageError
 from .grid import Grid, as_recorded, parse_grid
 from .motion import Motion
 
 if TYPE_CHECKING:
     from ..documents.document import Document
+    from .recording import Recording
 
 
 class HasMotion(Protocol):
@@ -51,14 +53,73 @@ def read_if_named(given: AnyMotion) -> Motion | HasMotion:
     Raises as `motion_from`.
     """
     if isinstance(given, str | Path):
-        from .named import named_motion
-
-        return named_motion(given)
+        return _named(given)
     if isinstance(given, Motion) or hasattr(given, "motion"):
         return given
     from .motion_document import build_motion
 
     return build_motion(given)
+
+
+def _named(given: str | Path) -> Motion | HasMotion:
+    """Return the motion that a text or a path stands for. Raises as `motion_from`."""
+    from ..documents.files import is_document_text
+    from .pulses import PULSES, pulse
+    from .reading import read_one
+
+    text = str(given)
+    if isinstance(given, str) and is_document_text(given):
+        return _of_text(given)
+    word = not any(mark in text for mark in (".", "/", os.sep)) and text != "-"
+    if isinstance(given, str) and (
+        text in PULSES or (word and not os.path.exists(text))
+    ):
+        # a pulse, also of an installed package, or a word that is misspelt
+        try:
+            return pulse(text)
+        except MotionError as error:
+            raise MotionError(f"{error}; or the path of a motion") from None
+    return read_one(given, {})
+
+
+def _of_text(text: str) -> Motion:
+    """Return the motion of the text of one motion document. Raises DocumentError."""
+    from ..documents.parsing import parse_documents
+    from .motion_document import build_motion
+
+    first, *others = parse_documents(text)
+    if others:
+        raise DocumentError(
+            f"{others[0].place}: a second document; a motion has one document"
+        )
+    return build_motion(first)
+
+
+def recordings_from(
+    given: str | Path | Sequence[HasMotion | str | Path],
+) -> "tuple[Recording, ...]":
+    """Return the records of what was given, those of a path as `load_records` reads
+    them, with distinct labels. Raises UsageError and DocumentError as it does, and
+    ArgumentError for what is no record.
+    """
+    from .reading import load_records
+    from .recording import Recording, with_distinct_labels
+    from .records.record import Record
+
+    found: list[Recording] = []
+    for one in [given] if isinstance(given, str | Path) else given:
+        if isinstance(one, str | Path):
+            found += load_records(one)
+        elif isinstance(one, Record):
+            found.append(Recording(one))
+        elif isinstance(one, Recording):
+            found.append(one)
+        else:
+            raise ArgumentError(
+                f"found a {type(one).__name__} for a record; expected a Record, a"
+                " Recording or a path"
+            )
+    return with_distinct_labels(found)
 
 
 def motions_of(

@@ -7,6 +7,7 @@ import math
 import os
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 from typing import BinaryIO, TypeVar, Unpack
 
@@ -135,7 +136,10 @@ def read_motions(
     horizontal one of each file. Raises as `read_motion`, and UsageError without a
     record.
     """
-    tell = given.get("tell") or (lambda text: None)
+    told = given.get("tell") or (lambda text: None)
+    # components of a file have the same remarks
+    tell = cache(told)
+    given["tell"] = tell
 
     def take(records: list[Record]) -> list[Recording]:
         return _recordings(records, chosen(records, given.get("component")), given)

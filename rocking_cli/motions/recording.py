@@ -145,9 +145,7 @@ def _motion(recording: Recording) -> Motion:
         recording.label + ", times -1" * (recording.factor < 0.0),
     )
     if recording.building is not None:
-        from .buildings import floor_of
-
-        across = floor_of(across, recording.building, name=across.name)
+        across = recording.building.moved_by(across)
     return across if recording.upwards is None else recording.upwards(across)
 
 

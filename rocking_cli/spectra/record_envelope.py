@@ -35,9 +35,8 @@ from ..envelopes.intervals import (
 from ..envelopes.record_changes import RecordSearch, steps_under_records
 from ..errors import UsageError
 from ..motions import Motion
-from ..motions.given import AnyMotion, read_if_named
+from ..motions.given import AnyMotion, read_if_named, recordings_from
 from ..motions.grid import Axis
-from ..motions.named import recordings_from
 from ..processes import available_cpus
 from ..structures.given import Structure, structure_from
 from .record_scene import RecordScene, structures_scene
