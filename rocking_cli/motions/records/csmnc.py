@@ -5,7 +5,7 @@ INTERVALS OF: 0.005 SEC`, then several values a line."""
 import re
 
 from .record import Series
-from .text import Layout, RecordText, begins, stated
+from .text import RecordText, begins, stated
 
 NAME = "CSMNC"
 _POINTS = re.compile(
@@ -42,7 +42,6 @@ def read(text: RecordText) -> list[Series]:
     dt *= text.seconds(stated(_POINTS, lines, 3) or "")
     if duration := stated(_DURATION, lines):
         text.agree(count, dt, duration, slack=1.0)
-    first = text.raw[text.at : text.at + 1000].lstrip().split(b"\n", 1)[0].split()
-    samples = text.numbers(count, Layout(max(1, len(first))))
+    samples = text.block(count)
     component, peak = stated(_COMPONENT, lines), stated(_PEAK, lines)
     return [Series(component, dt, samples, unit, peak, text.surplus(count))]

@@ -30,7 +30,7 @@ def unlike_ground(acceleration: Array) -> str:
         return ""
     if not acceleration.min() < 0.0 < acceleration.max():
         side = "below" if acceleration.max() > 0.0 else "above"
-        return f"found no sample {side} zero, as of a spectrum or a magnitude"
+        return f"found no sample {side} zero, as of a spectrum, a magnitude or gravity"
     if abs(mean) > _REFUSED_MEAN * peak:
         return f"found {_share(mean, peak)}, as of a sensor that measures gravity"
     return ""

@@ -6,12 +6,14 @@ The name is a time, an acceleration with or without a direction, or a direction 
 
 import re
 import unicodedata
+from collections.abc import Iterable
 from typing import NamedTuple
 
 from .directions import is_component
 from .units import is_foreign, plain, time_unit, unit_of
 
 TIME, INDEX, ACCELERATION, UNKNOWN = "time", "index", "acceleration", "unknown"
+AMBIGUOUS = "direction or another quantity"
 
 
 def _words(text: str) -> frozenset[str]:
@@ -93,6 +95,23 @@ def heading_of(text: str, first: bool = False) -> Heading:
     return Heading(text, role, unit, seconds or 1.0, component)
 
 
+def headings_of(words: Iterable[str]) -> list[Heading]:
+    """Return what the headings of all columns say. A letter such as V that may be
+    another quantity is a direction beside a heading that states one.
+    """
+    found: list[Heading] = []
+    for word in words:
+        found.append(heading_of(word, first=all(x.role == INDEX for x in found)))
+    if any(x.role == ACCELERATION and x.component for x in found):
+        found = [
+            x._replace(role=ACCELERATION, component=x.text)
+            if x.role == AMBIGUOUS and is_component(x.text)
+            else x
+            for x in found
+        ]
+    return found
+
+
 def _is_unit(word: str) -> bool:
     return unit_of(word) is not None or time_unit(word) is not None
 
@@ -141,7 +160,7 @@ def _named(name: str, first: bool, accelerates: bool) -> tuple[str, str | None]:
     if not text:
         return (ACCELERATION if accelerates else TIME if first else UNKNOWN), None
     if len(text) == 1 and text in _AMBIGUOUS and not accelerates:
-        return "direction or another quantity", None
+        return AMBIGUOUS, None
     apart = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", name)
     words = [x for x in re.split(r"[\s_]+", apart) if x]
     if other := other_quantity(apart) or other_quantity("".join(words)):

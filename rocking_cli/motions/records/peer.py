@@ -12,7 +12,7 @@ from .directions import is_vertical_name
 from .headings import ACCELERATIONS, other_quantity
 from .printed_numbers import finite_number
 from .record import Series
-from .text import Layout, RecordText, begins
+from .text import RecordText, begins
 from .times import even_step
 from .units import is_foreign, plain, unit_of
 
@@ -120,7 +120,7 @@ def _samples(text: RecordText, count: int, dt: float) -> tuple[np.ndarray, str]:
                 f"times every {step:g} s, where the header states {dt:g} s", line
             )
         return values[:, 1].copy(), text.surplus(count)
-    samples = text.numbers(count, Layout(width))
+    samples = text.block(count)
     remark = text.surplus(count)
     more = len(text.raw[text.at :].split(None, count + 1)) if remark else 0
     if remark and more >= count:

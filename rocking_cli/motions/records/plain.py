@@ -14,7 +14,7 @@ import numpy as np
 
 from ...arrays import Array
 from ...errors import DocumentError, UsageError
-from .headings import ACCELERATION, INDEX, TIME, UNKNOWN, Heading, heading_of
+from .headings import ACCELERATION, INDEX, TIME, UNKNOWN, Heading, headings_of
 from .record import EVERY, Series
 from .rows import NumberRows, counts_up, is_row, rows_of, unlike_samples
 from .text import RecordText
@@ -115,10 +115,7 @@ def _cells(heading: str, separator: str, columns: int) -> list[Heading] | None:
     if not heading:
         return None
     words = [heading] if columns == 1 else _parted(heading, separator, columns)
-    cells: list[Heading] = []
-    for word in words or ():
-        cells.append(heading_of(word, first=all(x.role == INDEX for x in cells)))
-    return cells or None
+    return headings_of(words) if words else None
 
 
 def _parted(line: str, separator: str, columns: int) -> list[str] | None:

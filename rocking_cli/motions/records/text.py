@@ -395,9 +395,11 @@ class RecordText:
             )
         at, first, self.counted = self.at, self.line, True
         if layout.width is None:
-            found = parsed(self._take(-(-count // layout.columns)))
-            if found is not None and found.size == count:
-                return found
+            taken = self._take(-(-count // layout.columns))
+            for block in (taken, parted(taken)):
+                found = None if block is None else parsed(block)
+                if found is not None and found.size == count:
+                    return found
             self.at, self.line = at, first
         values: list[float] = []
         for row in self._rows(count, layout):
@@ -406,6 +408,14 @@ class RecordText:
                 for i, token in enumerate(row)
             ]
         return np.array(values)
+
+    def block(self, count: int) -> Array:
+        """Return the next `count` numbers, as many on each line as on the first, as
+        `numbers`.
+        """
+        first = self.raw[self.at : self.at + 1000].lstrip().split(b"\n", 1)[0]
+        columns = len((parted(first) or first).split())
+        return self.numbers(count, Layout(max(1, columns)))
 
     def skip(self, count: int, layout: Layout) -> None:
         """Read past `count` numbers; stars may stand in their place. Raises

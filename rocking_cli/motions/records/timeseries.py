@@ -11,7 +11,7 @@ import numpy as np
 
 from ...arrays import Array
 from .record import Series
-from .text import Layout, RecordText, begins
+from .text import RecordText, begins
 from .units import unit_of
 
 NAME = "TIMESERIES"
@@ -63,8 +63,7 @@ def _series(text: RecordText, said: re.Match[str]) -> Series:
     if said[5].upper() == "TSPAIR":
         values = _pairs(text, count, dt)
     else:
-        ahead = text.raw[text.at : text.at + 1000].lstrip().split(b"\n", 1)[0]
-        values = text.numbers(count, Layout(max(1, len(ahead.split()))))
+        values = text.block(count)
     text.require_end(count)
     parts = name.split("_")
     return Series(parts[3] if len(parts) > 3 else name, dt, values, unit)

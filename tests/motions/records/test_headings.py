@@ -182,6 +182,14 @@ def test_components_in_columns(tmp_path, heading, names, separator):
         )
 
 
+@pytest.mark.parametrize("heading", ["t,L,T,V", "t,N,E,U", "t,N,E,D", "t,H1,H2,v"])
+def test_a_letter_is_a_direction_beside_other_directions(tmp_path, heading):
+    (tmp_path / "a.csv").write_text(table(heading, 1.0, 0.5, -0.25))
+    records = read_records(tmp_path / "a.csv", unit="gal")
+    assert [r.component for r in records] == heading.split(",")[1:]
+    assert [is_vertical(r) for r in records] == [False, False, True]
+
+
 def test_codes_without_a_direction_are_told_and_never_horizontal(tmp_path):
     (tmp_path / "a.csv").write_text(
         table("t [s],HN1 [g],HN2 [g],HN3 [g]", 1.0, 0.5, -0.25)

@@ -485,3 +485,13 @@ def test_a_factor_in_a_header_is_told(tmp_path, line, told):
     said = f"the header states {line!r}; the samples do not get it"
     assert record.remarks == ((said,) if told else ())
     np.testing.assert_array_equal(record.acceleration, READ)
+
+
+def test_fields_that_touch_are_as_wide_as_their_points_are_apart(tmp_path):
+    text = TITLE + "NPTS= 1003, DT= 0.005 SEC\n" + rows(SAMPLES, 8, "{:9.6f}")
+    assert "-0." in text.replace(" -0.", "")
+    (tmp_path / "a.at2").write_text(text)
+    np.testing.assert_array_equal(
+        read_record(tmp_path / "a.at2").acceleration,
+        DEFAULT_GRAVITY * as_printed(SAMPLES, "{:9.6f}"),
+    )
