@@ -26,14 +26,14 @@ if TYPE_CHECKING:
     from ..motions.recording import Recording
     from ..motions.records import Stated
 
-_OF_A_FILE = ("vertical_component", "vertical_unit", "vertical_dt")
 _MOTION = (
     "A record or a motion document instead of a pulse; for a set: records, a directory"
-    " or a list; repeatable."
+    " or a list; repeatable. FILE,unit=g,column=2,dt=0.01,skip=5,component=NS states"
+    " the options of a file beside it."
 )
 _VERTICAL = (
     "Vertical motion, upwards: a pulse by name, a motion document, a record, or"
-    f" {STATION}: the component of the same file."
+    f" {STATION}: the component of the same file. FILE,unit=g,… as of --motion."
 )
 COLUMN = (
     "Column of a table of numbers, from 1; all: each line goes on from the one before."
@@ -401,44 +401,27 @@ class BothWays(Motions):
         type=NUMBER,
         metavar="FACTOR",
     )
-    vertical_component: str | None = option(
-        "--vertical-component", "Component of a vertical record.", metavar="NAME"
-    )
-    vertical_unit: str | None = option(
-        "--vertical-unit",
-        "Unit of a vertical record in plain columns of numbers.",
-        metavar="UNIT",
-    )
-    vertical_dt: float | None = option("--vertical-dt", DT, type=quantity("time"))
 
     def upwards(self) -> tuple[Upwards | None, float | None]:
         factor = 1.0 if self.vertical_scale is None else self.vertical_scale
         if self.vertical is None:
-            refuse("goes with --vertical", "vertical_scale", *_OF_A_FILE)
+            refuse("goes with --vertical", "vertical_scale")
             return None, None
         if self.vertical == STATION:
-            refuse(f"does not go with --vertical {STATION}", *_OF_A_FILE)
             return None, factor
         from ..motions import PULSES, pulse
         from ..motions.biaxial import Upwards
         from ..motions.pulses import is_pulse
         from ..motions.reading import read_motion
+        from ..motions.records import Stated
 
         added = not os.path.exists(self.vertical) and is_pulse(self.vertical)
         if self.vertical in PULSES or added:
-            refuse("goes with a record: give one to --vertical", *_OF_A_FILE)
             motion = pulse(self.vertical)
         else:
-            with named(
-                component="vertical_component", unit="vertical_unit", dt="vertical_dt"
-            ):
-                motion = read_motion(
-                    self.vertical,
-                    component=self.vertical_component,
-                    unit=self.vertical_unit,
-                    dt=self.vertical_dt,
-                    tell=note,
-                )
+            stated = ("component", *Stated.__annotations__)
+            with named(**{key: f"--vertical FILE,{key}=" for key in stated}):
+                motion = read_motion(self.vertical, tell=note)
         return Upwards(motion, factor), None
 
 

@@ -5,6 +5,7 @@ text and its time.
 from __future__ import annotations
 
 import os
+import re
 import shlex
 import sys
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
@@ -418,6 +419,9 @@ def check_target(
     require(*(packages or DRAWN_WITH), instead=instead)
 
 
+_BESIDE = re.compile(r"(?:,\s*\w+=[^,=]*)+\Z")
+
+
 def refuse_own_input(output: Path, recordings: Sequence[Recording] = ()) -> None:
     """Raise click.UsageError if the output is a document or a record of this call,
     which --overwrite would destroy.
@@ -428,7 +432,9 @@ def refuse_own_input(output: Path, recordings: Sequence[Recording] = ()) -> None
         if isinstance(parameter.type, InputPath):
             given = context.params[parameter.name or ""] or ()
             sources += [given] if isinstance(given, str) else given
-    for source in sources:
+    for given in sources:
+        # without what is stated beside it, as FILE,unit=g
+        source = given if os.path.isfile(given) else _BESIDE.sub("", given)
         if (
             os.path.isfile(source)
             and output.is_file()

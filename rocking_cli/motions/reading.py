@@ -5,15 +5,16 @@ of the two it holds.
 import io
 import math
 import os
+import re
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
-from typing import BinaryIO, TypeVar, Unpack
+from typing import Any, BinaryIO, TypeVar, Unpack, cast
 
 from ..documents.files import STDIN, read_bytes
 from ..documents.parsing import documents_of
-from ..documents.quantities import quantity_at
+from ..documents.quantities import parse_whole, quantity_at
 from ..errors import DocumentError, NoAcceleration, NoComponent, UsageError
 from ..plugins import installed
 from .biaxial import Upwards
@@ -39,6 +40,7 @@ Taken = TypeVar("Taken")
 
 LONG = 5_000_000  # a record with so many samples gets a remark on memory
 _BYTES = 200  # memory for each sample
+_BESIDE = re.compile(r",\s*(component|unit|column|dt|skip)=([^,=]*)\Z")
 
 
 class MotionChoices(Stated, total=False):
@@ -116,7 +118,8 @@ def read_one(path: str | Path, given: MotionChoices) -> Motion | Recording:
     """Return the motion of a motion document, or the record of a file. Raises as
     `read_motion`.
     """
-    source, raw = read_bytes(path)
+    file, given = beside(str(path), given)
+    source, raw = read_bytes(file)
     records = records_of(source, raw, Given.of(given))
     if records is None:
         return _of_document(source, raw, given)
@@ -136,26 +139,41 @@ def read_motions(
     horizontal one of each file. Raises as `read_motion`, and UsageError without a
     record.
     """
-    told = given.get("tell") or (lambda text: None)
     # components of a file have the same remarks
-    tell = cache(told)
-    given["tell"] = tell
-
-    def take(records: list[Record]) -> list[Recording]:
-        return _recordings(records, chosen(records, given.get("component")), given)
-
+    given["tell"] = tell = cache(given.get("tell") or (lambda text: None))
+    found: list[Recording] = []
     try:
-        found = [
-            _scaled(r, given)
-            for r in read_set(paths, take, Given.of(given), tell, unread)
-        ]
+        for path in paths:
+            file, own = beside(path, given)
+            take = partial(_taken, given=own)
+            records = read_set([file], take, Given.of(own), tell, unread)
+            found += [_scaled(r, own) for r in records]
     except NoRecord as error:
-        if len(paths) > 1 or error.source not in (paths[0], STDIN):
+        if len(paths) > 1 or error.source not in (file, STDIN):
             raise DocumentError(f"{error}; a set holds records only") from None
-        return _of_document(error.source, error.raw, given)
+        return _of_document(error.source, error.raw, own)
     if not found:
         raise UsageError(f"{', '.join(paths)}: no record among the files")
     return with_distinct_labels(found)
+
+
+def _taken(records: list[Record], given: MotionChoices) -> list[Recording]:
+    return _recordings(records, chosen(records, given.get("component")), given)
+
+
+def beside(path: str, given: MotionChoices | None = None) -> tuple[str, MotionChoices]:
+    """Return (the path of a file, the choices for it), from a text such as
+    `FILE,unit=g,column=2,dt=0.01,skip=5,component=NS`, which goes before `given`.
+    Raises UsageError.
+    """
+    own: dict[str, Any] = {}
+    while not os.path.exists(path) and (stated := _BESIDE.search(path)) is not None:
+        path, own[stated[1]] = path[: stated.start()], stated[2].strip()
+    if "dt" in own:
+        own["dt"] = quantity_at("`dt`", own["dt"], "time")
+    if "skip" in own:
+        own["skip"] = parse_whole(own["skip"]) or 0
+    return path, cast("MotionChoices", {**(given or {}), **own})
 
 
 def load_records(
@@ -214,6 +232,7 @@ def holds_records(path: str) -> bool:
     """True if a path is a record (by its content), a directory or a list of files;
     False for standard input.
     """
+    path, _ = beside(path)
     if path == "-" or not os.path.exists(path):
         return False
     return os.path.isdir(path) or (

@@ -249,18 +249,18 @@ def test_a_record_of_a_set_goes_with_the_vertical_one(rocking, refused, tmp_path
         "block:0.5x2",
         "--motion",
         "n.at2",
-        "--vertical",
-        "up.txt",
         "--vertical-scale",
         "0.4",
         "--json",
         "--a-max",
         "1.2",
+        "--vertical",
     )
-    assert "give it as --vertical-unit" in refused(3, "check", *in_columns)
-    plain = rocking(
-        "check", *in_columns, "--vertical-unit", "m/s2", "--vertical-dt", "0.2 s"
-    ).record
+    assert "give it as `--vertical FILE,unit=`" in refused(
+        3, "check", *in_columns, "up.txt"
+    )
+    stated = "up.txt,unit=m/s2,dt=0.2 s"
+    plain = rocking("check", *in_columns, stated).record
     assert (plain["outcome"], plain["fz_min"]) == (
         row["outcome"],
         pytest.approx(row["fz_min"], rel=1e-5),
@@ -294,9 +294,7 @@ def test_a_directory_gives_both_horizontal_components_and_the_station_its_vertic
         "--component",
         "N-S",
         "--vertical",
-        "set/a.txt",
-        "--vertical-component",
-        "U-D",
+        "set/a.txt,component=U-D",
     )
     assert rocking(*call, "set/a.txt", *named).record == rows[0]
 

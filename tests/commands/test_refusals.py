@@ -126,11 +126,6 @@ REFUSED = {
             f"stated.yaml --vertical station {AT}",
             "--vertical station goes with a record: give --motion",
         ),
-        (
-            2,
-            f"stated.yaml --vertical station {AT2} --vertical-unit g",
-            "--vertical-unit does not go with --vertical station",
-        ),
     ],
     "check --code ntc2018": [
         (2, f"{COLUMN}", "or --motion FILE, or --spectrum FILE"),
@@ -451,11 +446,10 @@ REFUSED = {
             f"{COLUMN} {AT} --vertical-scale 2",
             "--vertical-scale goes with --vertical",
         ),
-        (2, f"{COLUMN} {AT} --vertical sine --vertical-dt 1", "goes with a record"),
         (
             3,
-            f"{COLUMN} {AT2} --vertical {AT2.split()[1]} --vertical-unit gal",
-            "--vertical-unit: found gal; the file says otherwise: g",
+            f"{COLUMN} {AT2} --vertical {AT2.split()[1]},unit=gal",
+            "`--vertical FILE,unit=`: found gal; the file says otherwise: g",
         ),
         (
             3,

@@ -302,11 +302,7 @@ def test_a_vertical_motion_is_in_every_verdict_and_in_the_curves(
         rocking(
             *call,
             "--vertical",
-            "3.txt",
-            "--vertical-unit",
-            "g",
-            "--vertical-dt",
-            "0.02",
+            "3.txt,unit=g,dt=0.02",
             "--vertical-scale",
             "0.5",
         ).returncode

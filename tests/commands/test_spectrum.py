@@ -168,6 +168,7 @@ def test_an_input_is_never_the_output(refused, tmp_path):
     for motion, output in (
         ("mine.dat", "mine.dat"),
         ("mine.dat", "link.h5"),
+        ("mine.dat,unit=g", "mine.dat"),
         ("set.lst", "mine.dat"),
         ("set.lst", "set.lst"),
     ):

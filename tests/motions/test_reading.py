@@ -228,6 +228,28 @@ def test_a_unit_goes_to_the_plain_numbers_of_a_directory(mixed):
         read_motions(["set"], unit="furlong", unread=unread.append)
 
 
+def test_what_is_stated_beside_a_file_goes_before_the_rest(mixed):
+    (mixed / "b,c.txt").write_text("Kobe\n0 0 0\n0.1 1 2\n0.2 -1 -2\n")
+    (first, second) = read_motions(
+        ["b,c.txt,unit=g,column=3,skip=1", "b,c.txt,unit=gal, column=2,skip=1"],
+        unit="m/s2",
+        column="1",
+    )
+    assert (first.acceleration, second.acceleration) == (2.0 * 9.81, 0.01)
+    assert labels((first, second)) == ["b,c (1)", "b,c (2)"]
+    assert read_motion("set/station.txt,component=E-W").acceleration == 1.5
+    assert holds_records("a.AT2,dt=0.02")
+    read_motions(["a.AT2,dt=20 ms,unit=g"])
+    for stated, words in (
+        ("a.AT2,dt=0.03", "`dt`: found 0.03 s; the file says otherwise"),
+        ("a.AT2,unit=mile", "`unit`: found 'mile'"),
+        ("a.AT2,dt=x", "`dt`: "),
+        ("a.AT2,colour=red", "a.AT2,colour=red"),
+    ):
+        with pytest.raises((DocumentError, UsageError), match=words):
+            read_motions([stated])
+
+
 def test_the_vertical_component_of_the_same_file_shakes_with_each_horizontal_one(mixed):
     unread: list[str] = []
     found = read_motions(["set"], vertical=0.5, unread=unread.append)
