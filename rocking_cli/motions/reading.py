@@ -33,7 +33,15 @@ from .records import (
     unpacked,
 )
 from .records.encodings import as_utf_8
-from .records.record import chosen, names_of, record_motion, vertical_of
+from .records.record import (
+    HORIZONTAL,
+    chosen,
+    is_horizontal,
+    is_vertical,
+    names_of,
+    record_motion,
+    vertical_of,
+)
 from .records.text import HEAD
 
 Taken = TypeVar("Taken")
@@ -158,7 +166,18 @@ def read_motions(
 
 
 def _taken(records: list[Record], given: MotionChoices) -> list[Recording]:
-    return _recordings(records, chosen(records, given.get("component")), given)
+    """The recordings of the components that are wanted; of those without a known
+    direction it is told that they are left out.
+    """
+    component, tell = given.get("component"), given.get("tell")
+    found = chosen(records, component)
+    unknown = [x for x in records if not (is_horizontal(x) or is_vertical(x))]
+    if component in (None, HORIZONTAL) and unknown and tell is not None:
+        tell(
+            f"{records[0].source}: {names_of(unknown)}: no direction is known, which"
+            f" of {names_of(records)} is vertical; left out, `component` takes it"
+        )
+    return _recordings(records, found, given)
 
 
 def beside(path: str, given: MotionChoices | None = None) -> tuple[str, MotionChoices]:

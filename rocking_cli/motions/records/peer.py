@@ -147,10 +147,11 @@ def _first_numbers_rise(text: RecordText, width: int) -> bool:
 
 def _upwards(titles: list[tuple[str, int]]) -> str | None:
     """The component if a title ends with the vertical direction: a word such as UP or
-    VERTICAL, or a letter behind a comma.
+    VERTICAL, or V or Z behind a comma.
     """
     for words, _ in titles:
         end = _UP.search(re.sub(r"\([^)]*\)", " ", words).rstrip())
-        if end and (end[1] or len(end[2]) > 1) and is_vertical_name(end[2]):
+        letter = end is not None and end[1] and end[2].strip("+-") in "VvZz"
+        if end and (letter or len(end[2]) > 1) and is_vertical_name(end[2]):
             return end[2]
     return None

@@ -53,6 +53,8 @@ def test_an_unknown_direction_is_told_and_taken_by_its_name_alone(tmp_path):
     text = "\n".join(f"{0.01 * i:.2f},{x:.5f}" for i, x in enumerate(wave(50)))
     path.write_text(f"t [s],HN3 [g]\n{text}\n")
     assert "component HN3: no direction is known" in read_record(path).remarks[0]
+    told: list[str] = []
     with pytest.raises(UsageError, match="no record among the files"):
-        read_motions([str(path)])
+        read_motions([str(path)], tell=told.append)
+    assert "a.csv: HN3: no direction is known, which of HN3 is vertical" in told[0]
     assert len(read_motions([str(path)], component="HN3")) == 1

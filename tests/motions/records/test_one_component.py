@@ -207,7 +207,7 @@ def test_a_vertical_component_at_the_end_of_a_line_is_named(tmp_path, name):
 
 
 @pytest.mark.parametrize(
-    "words", ["VERTICAL ARRAY", "UP HILL", "090", "HNE", "N", "UPLAND"]
+    "words", ["VERTICAL ARRAY", "UP HILL", "090", "HNE", "N", "UPLAND", "D"]
 )
 def test_a_place_is_no_direction(tmp_path, words):
     (tmp_path / "a.AT2").write_text(
