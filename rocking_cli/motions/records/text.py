@@ -32,6 +32,7 @@ HEAD = 1 << 16  # bytes in which a format shows itself
 # characters of a line of words: patterns may take the square of them
 LONGEST_LINE = 1000
 _DOS_BLOCK = 128  # bytes
+_LAST = 200  # bytes that may hold the last line
 # a format such as (8F10.5) or (1E15.6)
 FORTRAN = r"\(\s*(?:\d+P\s*,?\s*)?(?P<columns>\d*)\s*[FEGDI]\s*(?P<width>[1-9]\d?)"
 
@@ -459,7 +460,7 @@ class RecordText:
         or in fields of one width; a last line may say that it ends. Raises
         DocumentError at a word that is no number.
         """
-        block = TRAILER.sub(b"", block)
+        block = block[:-_LAST] + TRAILER.sub(b"", block[-_LAST:])
         each = words_on_lines(block)
         filled = np.flatnonzero(each)
         counts, lines = each[filled], self.line + filled
