@@ -22,18 +22,18 @@ _NAMES = {
     " rad radial radi tangential 南北 东西 東西",
 }
 _WORDS = {word: name for name, words in _NAMES.items() for word in words.split()}
-_SEED = re.compile(r"(?!ch\d)[bhefcdslmgv][hnlgmp]([a-z123])\d{0,2}")
+_SEED = re.compile(r"(?!ch\d)[bhefcdslmgv][hnlgmp]([zens123rtxy])\d{0,2}")
 _ANGLE = re.compile(r"\d{2,3}(?:\.0*)?|\d{1,3}(?:\.\d*)?(?:deg\w*|°)|[ns]\d{1,2}[ew]")
 _COMPONENT = re.compile(r"\b(?:comp(?:onent)?|dir(?:ection)?)\b\.?")
 
 
 def direction_of(name: str) -> str:
     """Return UP, DOWN or ACROSS as a name states it, else UNKNOWN."""
-    text = re.sub(r"\([^)]*\)", "", plain(name))  # Up (3), of equal names
-    text = _COMPONENT.sub("", text).strip(" :=.").rstrip("- ")
-    whole = _of_word(re.sub(r"[\s_]+", "", text))
-    if whole != UNKNOWN or _ANGLE.fullmatch(re.sub(r"\s+", "", text)):
-        return ACROSS if whole == UNKNOWN else whole
+    text = _COMPONENT.sub("", re.sub(r"\([^)]*\)", "", plain(name)))  # Up (3)
+    text = text.strip(" :=.").rstrip("- ")
+    whole = _whole(text)
+    if whole != UNKNOWN:
+        return whole
     words = [x for x in re.split(r"[\s.,:;()\[\]]+", text) if x]
     pairs = [a + b for a, b in pairwise(words) if b[:3] == "deg"]
     # a letter counts alone or at the end: the N of `N wing` is no direction
@@ -41,6 +41,15 @@ def direction_of(name: str) -> str:
     found = [_of_word(x) for x in long if not x.isdecimal()]
     found += [ACROSS for x in pairs if _ANGLE.fullmatch(x)]
     return next((x for x in (UP, DOWN, ACROSS) if x in found), UNKNOWN)
+
+
+def _whole(text: str) -> str:
+    """The direction that a name states as a whole, as `N 20 E`."""
+    close = re.sub(r"[\s_]+", "", text)
+    if close != text and _SEED.fullmatch(close):  # the letters of V NS are no code
+        return UNKNOWN
+    found = _of_word(close)
+    return ACROSS if found == UNKNOWN and _ANGLE.fullmatch(close) else found
 
 
 def _of_word(word: str) -> str:
@@ -56,8 +65,9 @@ def _of_word(word: str) -> str:
 
 
 def is_component(name: str) -> bool:
-    """True if a name states a direction, or is a SEED code."""
-    return direction_of(name) != UNKNOWN or _SEED.fullmatch(plain(name)) is not None
+    """True if a name is a direction, or a SEED code, and nothing else."""
+    text = plain(name).strip()
+    return _whole(text) != UNKNOWN or _SEED.fullmatch(text) is not None
 
 
 def is_vertical_name(name: str) -> bool:

@@ -28,6 +28,9 @@ def unlike_ground(acceleration: Array) -> str:
     peak, mean = largest(acceleration), float(np.mean(acceleration))
     if not peak > 0.0:
         return ""
+    steps = np.diff(acceleration)
+    if steps.size > 1 and np.ptp(steps) < 0.01 * steps[0]:
+        return "found numbers that rise evenly, as times do or numbers of lines"
     if not acceleration.min() < 0.0 < acceleration.max():
         side = "below" if acceleration.max() > 0.0 else "above"
         return f"found no sample {side} zero, as of a spectrum, a magnitude or gravity"

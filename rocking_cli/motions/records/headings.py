@@ -49,7 +49,8 @@ _OTHERS = {
 }
 _OTHER = {word: role for role, words in _OTHERS.items() for word in words.split()}
 _TRANSFORMED = re.compile(r"[|^²³√∫×*]|\bx\s*\d|^\s*[-−]\s*[^\W\d_]{3}|/\s*\d")
-_AMBIGUOUS = frozenset("uvdf")  # a letter alone: a direction or another quantity
+# alone, as a number such as 360: a direction or another quantity
+_AMBIGUOUS = frozenset("uvdf")
 _INNER = re.compile(r"/\(([^()]*)\)|\^[({]([^(){}]*)[)}]")  # m/(s^2), s^{-2}
 _BRACKETS = re.compile(r"[\[({<]([^\[\](){}<>]*)[\])}>]")
 _TAIL = re.compile(
@@ -89,8 +90,7 @@ def heading_of(text: str, first: bool = False) -> Heading:
     if word and unit is None and seconds is None:
         return Heading(text, f"quantity in {word}")
     role, component = _named(name, first, unit is not None)
-    fits = {TIME: seconds, ACCELERATION: unit}.get(role, "")
-    if word and fits is None:
+    if word and (seconds if role == TIME else unit) is None:
         return Heading(text, f"{role} in {word}")
     return Heading(text, role, unit, seconds or 1.0, component)
 
@@ -159,7 +159,7 @@ def _named(name: str, first: bool, accelerates: bool) -> tuple[str, str | None]:
         return TIME, None
     if not text:
         return (ACCELERATION if accelerates else TIME if first else UNKNOWN), None
-    if len(text) == 1 and text in _AMBIGUOUS and not accelerates:
+    if (text in _AMBIGUOUS or text.isdecimal()) and not accelerates:
         return AMBIGUOUS, None
     apart = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", name)
     words = [x for x in re.split(r"[\s_]+", apart) if x]
@@ -174,7 +174,7 @@ def _named(name: str, first: bool, accelerates: bool) -> tuple[str, str | None]:
 
 def _without_acceleration(word: str) -> list[str]:
     """What is left of a word such as acc, accX, Acc-NS or az: its direction."""
-    text = plain(word).strip(".,:;-")
+    text = plain(word).strip(".,:;-/")
     if text in ACCELERATIONS:
         return []
     glued = re.fullmatch(

@@ -14,6 +14,8 @@ import numpy as np
 
 from ...arrays import Array
 from ...errors import DocumentError, UsageError
+from .directions import UNKNOWN as NO_DIRECTION
+from .directions import direction_of
 from .headings import ACCELERATION, INDEX, TIME, UNKNOWN, Heading, headings_of
 from .record import EVERY, Series
 from .rows import NumberRows, counts_up, is_row, rows_of, unlike_samples
@@ -163,6 +165,8 @@ class _Table:
                 f" {EVERY} is for lines of values alone"
             )
         self.require_samples()
+        if self.cells is not None:
+            self.accelerations(self.cells, [0])
         return [self.series(values, self.cell(0))]
 
     def columns(self) -> list[Series]:
@@ -192,6 +196,9 @@ class _Table:
         """The record of values under a heading, with the column of times."""
         unit, dt = self.unit(cell), self.step(times)
         name = None if cell is None else cell.component
+        if cell is not None and cell.role == UNKNOWN:  # as `Vertical sensor 5`
+            known = direction_of(cell.text) != NO_DIRECTION
+            name = cell.text if known else None
         return Series(name, dt, values, unit, remark="; ".join(self.told))
 
     def cell(self, column: int) -> Heading | None:
@@ -226,7 +233,7 @@ class _Table:
         """(number of leading columns that are no values, that of the times)."""
         cell, begin = self.cell(0), 0
         counted = self.width > 1 and counts_up(values[:, 0])
-        if counted and (cell is None or cell.role == INDEX):
+        if counted and (cell is None or cell.role in (INDEX, UNKNOWN)):
             self.told.append("column 1 counts the lines, left out")
             cell, begin = self.cell(1), 1
         left = self.width - begin

@@ -16,6 +16,7 @@ UNLIKE = {
     "a Husid curve": (np.cumsum(SAMPLES**2), "no sample below zero"),
     "gravity": (SAMPLES + 1.0, "no sample below zero"),
     "a strong motion with gravity": (STRONG + 1.0, "% of the peak, as of a sensor"),
+    "times": (0.01 * np.arange(500) - 2.5, "rise evenly, as times do"),
     "downwards": (-STRONG - 1.0, "% of the peak, as of a sensor"),
 }
 

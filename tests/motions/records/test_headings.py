@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from support.record_layouts import as_printed, refusal, wave
+from support.record_layouts import as_printed, refusal, rows, wave
 
 from rocking_cli.motions.records import read_record, read_records
 from rocking_cli.motions.records.headings import heading_of
@@ -130,7 +130,32 @@ def test_another_quantity_is_refused_whatever_the_options_say(tmp_path, heading)
 
 
 @pytest.mark.parametrize(
-    "heading", ["t,foo [g]", "t,foo", "foo,a [g]", "t,ch1", "t,Acc Kobe [g]"]
+    "heading",
+    ["v [cm/s]", "[counts]", "velocity", "T [s]", "Sa [g]", "v", "|a|", "foo"],
+)
+def test_a_heading_above_one_column_or_values_in_a_row(tmp_path, heading):
+    column = "".join(f"{x:.5f}\n" for x in SAMPLES)
+    for text, more in (
+        (column, {}),
+        (column, {"column": "all"}),
+        (rows(SAMPLES, 7, "{:9.5f}"), {"column": "all"}),
+    ):
+        said = refusal(tmp_path / "a", f"{heading}\n{text}", **more, unit="g", dt=0.01)
+        assert said.startswith(f"{tmp_path / 'a'}:1: found ")
+
+
+@pytest.mark.parametrize(
+    "heading",
+    [
+        "t,foo [g]",
+        "t,v (NS)",
+        "t,t (UD) [g]",
+        "t,HN1 NS [g]",
+        "t,foo",
+        "foo,a [g]",
+        "t,ch1",
+        "t,Acc Kobe [g]",
+    ],
 )
 def test_a_heading_that_is_not_understood_is_read_where_the_user_names_the_column(
     tmp_path, heading
@@ -188,6 +213,16 @@ def test_a_letter_is_a_direction_beside_other_directions(tmp_path, heading):
     records = read_records(tmp_path / "a.csv", unit="gal")
     assert [r.component for r in records] == heading.split(",")[1:]
     assert [is_vertical(r) for r in records] == [False, False, True]
+
+
+def test_a_vertical_column_that_the_user_names_stays_vertical(tmp_path):
+    (tmp_path / "a.csv").write_text(table("t,Vertical sensor 5 [g],ch2 [g]", 1.0, 0.5))
+    vertical = read_record(tmp_path / "a.csv", column="2")
+    assert (vertical.component, is_vertical(vertical)) == (
+        "Vertical sensor 5 [g]",
+        True,
+    )
+    assert read_record(tmp_path / "a.csv", column="3").component is None
 
 
 def test_codes_without_a_direction_are_told_and_never_horizontal(tmp_path):
