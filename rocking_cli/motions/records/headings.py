@@ -90,9 +90,9 @@ def heading_of(text: str, first: bool = False) -> Heading:
     if word and unit is None and seconds is None:
         return Heading(text, f"quantity in {word}")
     role, component = _named(name, first, unit is not None)
-    if word and (seconds if role == TIME else unit) is None:
-        return Heading(text, f"{role} in {word}")
-    return Heading(text, role, unit, seconds or 1.0, component)
+    found = Heading(text, role, unit, seconds or 1.0, component)
+    odd = word and (seconds if role == TIME else unit) is None and not found.is_other
+    return Heading(text, f"{role} in {word}") if odd else found
 
 
 def headings_of(words: Iterable[str]) -> list[Heading]:
