@@ -4,25 +4,28 @@ march takes them one after the other, without a search for events.
 Over a line of duration h the motion has the terms c_n of y, in powers of the time over
 h. With a_j = sum n (n - 1) ... (n - j + 1) |c_n|,
 
-    |y - its chord| <= a_2/8,    |h y' - its chord| <= a_3/8
+    h |y'| <= a_1,    h^2 |y''| <= a_2,    |y - its chord| <= a_2/8,
+    |h y' - its chord| <= a_3/8
 
 since a function leaves the chord between its ends by at most an eighth of its largest
-second derivative. A line is clear if these bounds prove that y stays above the ground
-and below its limit, and that no peak is above the highest one so far, and if the last
-terms show that the series holds. Any other line goes through a round of the march.
+second derivative. A line is clear if these bounds prove that y stays between its limits
+and that no peak changes a result, and if the last terms show that the series holds. Any
+other line goes through a round of the march.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 
 from ...arrays import Array
 from ..batch import Batch
 from ..condition import in_tolerances, moved, slope_between
-from ..equations.equation import Equation
-from ..equations.recurrence import motion_terms
+from ..equations.recurrence import Recurrence, motion_terms
 from ..equations.taylor import (
+    GROWTH,
     MOST_TERMS,
     WITHIN,
     degrees,
@@ -46,6 +49,50 @@ _FACTORS = np.array(
 )
 
 
+class LineEnd(NamedTuple):
+    """The end of a line, and the sums a_j over it, (lanes,) each."""
+
+    y: Array  # displacement at the end
+    first: Array  # h y' at the end
+    speed: Array  # a_1
+    acceleration: Array  # a_2
+    jerk: Array  # a_3
+
+    @classmethod
+    def of(cls, terms: Array) -> Self:
+        """Return the end of a line with these terms of y, (terms, lanes)."""
+        # NumPy sums a single lane in another order.
+        lanes = terms.shape[1]
+        rows = np.repeat(terms, 2, axis=1) if lanes == 1 else terms
+        factors = _FACTORS[:, : len(rows)]
+        ends = np.einsum("jn,nl->jl", factors[:2], rows)[:, :lanes]
+        sums = np.einsum("jn,nl->jl", factors[1:], np.abs(rows))[:, :lanes]
+        return cls(*ends, *sums)
+
+
+@dataclass
+class LineLimits(Arrays):
+    """Limits within which nothing happens to lanes; arrays are (lanes,)."""
+
+    low: Array | float  # y below which something happens, 0 at the ground
+    high: Array | float  # y above which something happens
+    known: Array  # y up to which no peak changes a result; negative if every peak does
+
+    def hold(self, y: Array, first: Array, end: LineEnd, h: Array) -> Array:
+        """True where nothing happens on a line of duration h [tau] that begins at y
+        with h y' = `first`.
+        """
+        bend, turn = 0.125 * end.acceleration, 0.125 * end.jerk
+        lowest, highest = np.minimum(y, end.y) - bend, np.maximum(y, end.y) + bend
+        # y stays near its chord; or it leaves a limit and does not turn back
+        above = (lowest > self.low) | ((y >= self.low) & (first > 4.0 * bend))
+        below = (highest < self.high) | ((y <= self.high) & (first < -4.0 * bend))
+        # y' keeps its sign near its chord, or no peak is the highest
+        least, most = np.minimum(first, end.first), np.maximum(first, end.first)
+        no_peak = (highest < self.known) | (least > turn) | (most < -turn)
+        return above & below & no_peak
+
+
 @dataclass
 class OnLines(Arrays):
     """Lanes on lines, with the names of `Lanes`. Every array is (lanes,)."""
@@ -59,10 +106,10 @@ class OnLines(Arrays):
     phase: Array  # phase since its start [rad]
     y: Array  # displacement, in the unit of the side
     v: Array  # dy/dtau
-    peak: Array  # largest y so far, infinite if none is wanted
     left: Array  # number of lines to the last one of the motion
     time: Array  # duration of the lines that are behind [tau]
     degree: Array  # degree of the series of each line
+    limits: LineLimits  # limits of the lanes
 
     @cached_property
     def factors(self) -> Array:
@@ -73,6 +120,16 @@ class OnLines(Arrays):
     def last(self) -> Array:
         """Flat index of the last term, as of `last_terms`."""
         return self.degree * self.y.size + np.arange(self.y.size)
+
+
+class Behind(NamedTuple):
+    """Lines that lanes have behind them. Every array is (lanes,)."""
+
+    lane: Array  # index of the lane
+    segment: Array  # index of the next line
+    y: Array  # displacement at its start
+    v: Array  # dy/dtau there
+    time: Array  # duration of the lines [tau]
 
 
 class WholeLines:
@@ -90,35 +147,49 @@ class WholeLines:
 
     def move(self, lanes: Lanes) -> None:
         """Take lanes that are in the air over lines, in place."""
-        some, behind = self._begin(lanes), list[OnLines]()
-        on = np.ones(some.y.size, dtype=bool)
-        equation = self.batch.equation.on(some.side, some.cell)
-        for _ in range(_LINES):
-            on = self._line(equation, some, on)
-            going = np.flatnonzero(on)
-            if 2 * going.size < on.size:
-                behind.append(some.take(np.flatnonzero(~on)))
-                some, on = some.take(going), on[going]
-                equation = self.batch.equation.on(some.side, some.cell)
-            if not going.size:
-                break
-        ended = OnLines.joined([*behind, some])
-        self._end(lanes, ended.take(np.flatnonzero(ended.time > 0.0)))
-
-    def _begin(self, lanes: Lanes) -> OnLines:
-        """Return the lanes that are in the air on a short line of a record."""
-        seg, k = self.segments, lanes.segment
-        left = self.last[lanes.cell] - k
-        air = (left > 0) & ((lanes.y > 0.0) | (lanes.v > 0.0))
-        at = np.flatnonzero(air & (seg.length[k] <= _LONGEST * lanes.omega))
-        k, amplitude, omega, v = (
-            k[at],
-            lanes.amplitude[at],
-            lanes.omega[at],
-            lanes.v[at],
+        equation = self.batch.equation
+        at = self.in_the_air(lanes)
+        limits = LineLimits(
+            0.0, equation.on(lanes.side[at], lanes.cell[at]).limit, lanes.peak[at]
         )
-        h, zero = seg.length[k] / omega, np.zeros(at.size)
-        shaking = amplitude * (np.abs(seg.s_start[k]) + np.abs(seg.slope[k]) * omega)
+
+        def law(some: OnLines) -> Recurrence:
+            return equation.on(some.side, some.cell)
+
+        behind = self.over(self.on_lines(lanes, at, limits), law)
+        if self.batch.peaks:
+            self._carry_errors(lanes, behind)
+        self.put(lanes, behind)
+
+    def in_the_air(self, lanes: Lanes) -> Array:
+        """Return the indices of lanes that are in the air on a short line."""
+        left = self.last[lanes.cell] - lanes.segment
+        air = (left > 0) & ((lanes.y > 0.0) | (lanes.v > 0.0))
+        length = self.segments.length[lanes.segment]
+        return np.flatnonzero(air & (length <= _LONGEST * lanes.omega))
+
+    def on_lines(
+        self,
+        lanes: Lanes,
+        at: Array,
+        limits: LineLimits,
+        pull: tuple[Any, Any] = (0.0, 0.0),
+    ) -> OnLines:
+        """Return the lanes `at` on their lines; pull: constant and stiffness of what
+        restraints take from y'', (lanes,) each.
+        """
+        seg, k = self.segments, lanes.segment[at]
+        amplitude, omega, v = lanes.amplitude[at], lanes.omega[at], lanes.v[at]
+        y, (constant, stiffness) = lanes.y[at], pull
+        rate = np.sqrt(np.maximum(1.0, stiffness))
+        size = 2.0 + amplitude * (np.abs(seg.s_start[k]) + np.abs(seg.slope[k]) * omega)
+        size += rate * np.abs(v) + constant + stiffness * y
+        degree = degrees(
+            _ROOM * size,
+            seg.length[k] / omega,
+            self.batch.equation.tolerance,
+            GROWTH * rate,
+        )
         return OnLines(
             at,
             lanes.cell[at],
@@ -127,75 +198,70 @@ class WholeLines:
             omega,
             k,
             lanes.phase[at],
-            lanes.y[at],
+            y,
             v,
-            lanes.peak[at],
-            left[at],
-            zero,
-            degrees(
-                _ROOM * (2.0 + shaking + np.abs(v)), h, self.batch.equation.tolerance
-            ),
+            self.last[lanes.cell[at]] - k,
+            np.zeros(at.size),
+            degree,
+            limits,
         )
 
-    def _line(self, equation: Equation, some: OnLines, going: Array) -> Array:
+    def over(self, some: OnLines, law_of: Callable[[OnLines], Recurrence]) -> Behind:
+        """Take lanes over lines that are clear, and return those that lanes have behind
+        them; law_of: returns the equation of lanes.
+        """
+        on, law, ended = np.ones(some.y.size, dtype=bool), law_of(some), []
+        for _ in range(_LINES):
+            on = self._line(law, some, on)
+            going = np.flatnonzero(on)
+            if 2 * going.size < on.size:
+                ended.append(some.take(np.flatnonzero(~on)))
+                some, on = some.take(going), on[going]
+                law = law_of(some)
+            if not going.size:
+                break
+        behind = Behind(
+            *(
+                np.concatenate([getattr(one, name) for one in (*ended, some)])
+                for name in Behind._fields
+            )
+        )
+        moved = np.flatnonzero(behind.time > 0.0)
+        return Behind(*(x[moved] for x in behind))
+
+    def _line(self, law: Recurrence, some: OnLines, going: Array) -> Array:
         """Take those `going` to the ends of their lines, where these are clear; returns
         True for lanes that may go on.
         """
         h = (self.segments.length[some.segment] - some.phase) / some.omega
         drive = line_drive(self.segments, some, h)
-        terms = motion_terms(
-            equation,
-            some.y,
-            some.v,
-            h,
-            h * h * some.factors,
-            drive.terms,
-            drive.weight,
-        )
-        y, v, clear = _end_if_clear(equation, some, terms)
+        factors = h * h * some.factors
+        terms = motion_terms(law, some.y, some.v, h, factors, drive.terms, drive.weight)
+        end = LineEnd.of(terms)
+        clear = some.limits.hold(some.y, terms[1], end, h)
         clear &= last_terms(terms, some.last, h) <= self.least * h
         clear &= going
-        np.copyto(some.y, y, where=clear)
-        np.copyto(some.v, v / h, where=clear)
+        np.copyto(some.y, end.y, where=clear)
+        np.copyto(some.v, end.first / h, where=clear)
         some.time += h * clear
         some.segment += clear
         some.left -= clear
         some.phase[clear] = 0.0
         return clear & (some.left > 0)
 
-    def _end(self, lanes: Lanes, ended: OnLines) -> None:
-        """Put lanes where their last line has ended."""
-        at = ended.lane
-        if self.batch.peaks:
-            equation = self.batch.equation.on(ended.side, ended.cell)
-            error = in_tolerances(self.least * ended.time, equation.stated)
-            ends = (lanes.y[at], lanes.v[at]), (ended.y, ended.v)
-            slope = slope_between(equation, *ends, ended.time)
-            lanes.moments[:3, at] = moved(
-                lanes.moments[:3, at], ended.time, slope, equation.damping, error
-            )
-        lanes.segment[at], lanes.phase[at] = ended.segment, 0.0
-        lanes.y[at], lanes.v[at], lanes.force[at] = ended.y, ended.v, np.nan
+    def _carry_errors(self, lanes: Lanes, behind: Behind) -> None:
+        """Carry the moments of the errors over the lines."""
+        at, h = behind.lane, behind.time
+        equation = self.batch.equation.on(lanes.side[at], lanes.cell[at])
+        error = in_tolerances(self.least * h, equation.stated)
+        ends = (lanes.y[at], lanes.v[at]), (behind.y, behind.v)
+        slope = slope_between(equation, *ends, h)
+        moments = lanes.moments[:3, at]
+        lanes.moments[:3, at] = moved(moments, h, slope, equation.damping, error)
 
-
-def _end_if_clear(
-    equation: Equation, some: OnLines, terms: Array
-) -> tuple[Array, Array, Array]:
-    """(y and h y' at the ends of lines, True where the terms prove that nothing happens
-    on the way).
-    """
-    n, rows, y = some.y.size, terms, some.y
-    if n == 1:  # NumPy sums a single lane in another order
-        rows = np.repeat(terms, 2, axis=1)
-    factors = _FACTORS[:, : len(rows)]
-    end, end_v = np.einsum("jn,nl->jl", factors[:2], rows)[:, :n]
-    bend, turn = 0.125 * np.einsum("jn,nl->jl", factors[2:], np.abs(rows))[:, :n]
-    low, high = np.minimum(y, end) - bend, np.maximum(y, end) + bend
-
-    # y stays near its chord, above the ground, or it goes outwards from the start on
-    v = terms[1]
-    clear = ((low > 0.0) | (v > 4.0 * bend)) & (high < equation.limit)
-    # y' keeps its sign near its chord, or no peak is the highest
-    inward, outward = np.maximum(v, end_v), np.minimum(v, end_v)
-    clear &= (high < some.peak) | (outward > turn) | (inward < -turn)
-    return end, end_v, clear
+    @staticmethod
+    def put(lanes: Lanes, behind: Behind) -> None:
+        """Put lanes where their lines have ended."""
+        at = behind.lane
+        lanes.segment[at], lanes.phase[at] = behind.segment, 0.0
+        lanes.y[at], lanes.v[at], lanes.force[at] = behind.y, behind.v, np.nan

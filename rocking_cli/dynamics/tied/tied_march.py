@@ -53,7 +53,7 @@ from .devices import Branch, Devices
 from .series import HeldBody, Law, Step, one_turn
 from .tied_lanes import CutStep, Found, OnBranch, StepEnds, TiedLanes
 from .transitions import Transitions
-from .whole_lines import LEAST_LINES, WholeLines
+from .whole_lines import LEAST_LINES, TiedLines
 
 # a speed below this counts as zero: it changes y by about as much, and a later uplift
 # by far less than rounding
@@ -96,9 +96,7 @@ class TiedMarch:
         # the lines of a record, None under another motion
         self.lines = None
         if of_lines and self.segments.weighed is None and speed is None:
-            self.lines = WholeLines(
-                self.equation, self.devices, self.segments, self.shaken
-            )
+            self.lines = TiedLines(batch, self.devices)
         self.touch = max(_ROUNDING, _TOUCH * self.equation.tolerance)
         self.most = batch.most_steps  # steps beyond which a lane fails
         self.found = Found.empty((*self.devices.stiffness.shape, batch.size))
@@ -114,10 +112,12 @@ class TiedMarch:
                     waiting = waiting[room:]
                 if not lanes.cell.size:
                     continue
-                if self.lines is None:
-                    lanes = self._round(lanes, self._branch(lanes))
-                else:
-                    lanes = self._along_lines(lanes, self.lines)
+                branch = self._branch(lanes)
+                if self.lines is not None:
+                    # `_certain` is asked on the last branch only.
+                    last = branch.high >= self.limit[branch.row]
+                    self.lines.along(lanes, branch, np.where(last, _DOUBTFUL, np.inf))
+                lanes = self._round(lanes, branch)
         return self.found
 
     def _of(self, numbers: Array, row: Array) -> Array:
@@ -196,19 +196,6 @@ class TiedMarch:
             now.low.max(axis=0, initial=0.0),
             np.minimum(now.high.min(axis=0, initial=np.inf), self.limit[row]),
         )
-
-    def _along_lines(self, lanes: TiedLanes, lines: WholeLines) -> TiedLanes:
-        """Take lanes over whole lines of a record, and those that cannot go on so
-        through a round; returns the lanes that go on.
-        """
-        branch = self._branch(lanes)
-        # `_certain` is asked on the last branch only.
-        top = np.where(branch.high >= self.limit[branch.row], _DOUBTFUL, np.inf)
-        on = lines.follow(lanes, branch, top)
-        at, others = np.flatnonzero(~on), lanes.take(np.flatnonzero(on))
-        if not at.size:
-            return others
-        return self._round(lanes.take(at), branch.take(at)).join(others)
 
     def _round(self, lanes: TiedLanes, branch: OnBranch) -> TiedLanes:
         """Take one step of every lane by its series, and apply the events at its end;
