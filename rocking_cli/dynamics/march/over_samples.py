@@ -179,41 +179,46 @@ class OverSamples:
         left = self.last[lanes.cell] - lanes.segment
         air = (left > 0) & (pace <= _WIDEST) & ((lanes.y > 0.0) | (lanes.v > 0.0))
         at = np.flatnonzero(air)
-        pace, left, line, side = pace[at], left[at], lanes.segment[at], lanes.side[at]
-        outward, y, v = -side * lanes.amplitude[at], lanes.y[at], lanes.v[at]
-        row = self.row[self.batch.cells.row(side), lanes.cell[at]]
+        pace, side, zero = pace[at], lanes.side[at], np.zeros(at.size)
+        flights = Flights(
+            lane=at,
+            line=lanes.segment[at],
+            left=left[at],
+            past=lanes.phase[at] / (lanes.omega[at] * pace),
+            pace=pace,
+            top=np.minimum(np.frexp(LONGEST / pace)[1] - 1, self.levels - 1),
+            level=zero,
+            outward=-side * lanes.amplitude[at],
+            row=self.row[self.batch.cells.row(side), lanes.cell[at]],
+            y=lanes.y[at],
+            v=lanes.v[at],
+            up=zero,
+            down=zero,
+            peak=lanes.peak[at],
+            time=zero.copy(),
+        )
+        self._start(flights)
+        return flights
 
-        # The bounded solution inside a line, as that of y'' = y + s.
-        segments, h = self.batch.segments, lanes.phase[at] / lanes.omega[at]
-        slope = segments.slope[line] * lanes.omega[at]
-        here, s = self.bounded[row + line], segments.s_start[line]
-        cosh, sinh = np.cosh(h), np.sinh(h)
+    def _start(self, flights: Flights) -> None:
+        """Set the modes of flights, and the level of the stretch to try first."""
+        y, v, outward, line = flights.y, flights.v, flights.outward, flights.line
+        h, s = flights.past * flights.pace, self.batch.segments.s_start[line]
+        slope = (self.batch.segments.s_end[line] - s) / flights.pace
+
+        # The bounded solution inside a line, as that of Y'' = Y + s.
+        here = self.bounded[flights.row + line]
         from_s, rate = here.real + s, here.imag + slope
+        cosh, sinh = np.cosh(h), np.sinh(h)
         from_y = y - 1.0 - outward * (from_s * cosh + rate * sinh - s - slope * h)
         from_v = v - outward * (from_s * sinh + rate * cosh - slope)
+        flights.up, flights.down = 0.5 * (from_y + from_v), 0.5 * (from_y - from_v)
 
-        # Half of the way to the ground under a still drive is a first stretch.
+        # Half of the way to the ground under a still drive, or a few samples.
         force = y - 1.0 + outward * (s + slope * h)
         fall = (v + np.sqrt(v * v - 2.0 * force * y)) / -force
-        level = np.frexp(np.where(fall > 0.0, 0.5 * fall / pace, 8.0))[1]
-        top = np.minimum(np.frexp(LONGEST / pace)[1] - 1, self.levels - 1)
-        return Flights(
-            at,
-            line,
-            left,
-            h / pace,
-            pace,
-            top,
-            np.clip(level, 0, top),
-            outward,
-            row,
-            y,
-            v,
-            0.5 * (from_y + from_v),
-            0.5 * (from_y - from_v),
-            lanes.peak[at],
-            np.zeros(at.size),
-        )
+        level = np.frexp(np.where(fall > 0.0, 0.5 * fall / flights.pace, 8.0))[1]
+        flights.level = np.clip(level, 0, flights.top)
 
     def _least(self, flights: Flights, outward: Array) -> Array:
         """Lower bound of a drive over stretches of the level of the flights; outward:
