@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import cache
-from typing import TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
@@ -31,9 +31,11 @@ from ..lanes import Lanes
 from ..observers.observer import Arcs, Observer
 from ..outcome import FALLEN, Outcome, Work
 from .advance import StepResult, advance
-from .over_samples import OverSamples
 from .proofs import FREE_MOTION, LaneProof, Proved, free_motion, proofs_of
-from .whole_lines import WholeLines
+
+if TYPE_CHECKING:
+    from .over_samples import OverSamples
+    from .whole_lines import WholeLines
 
 # lanes that are advanced together: fewer rounds against arrays that no longer fit the
 # caches; more lanes where an arc has few numbers
@@ -65,13 +67,19 @@ class PooledLanes(Lanes):
     slot: Array  # place of the lane in the pool, (lanes,)
 
 
-def ahead_of(batch: Batch) -> OverSamples | WholeLines | None:
+def ahead_of(batch: Batch) -> "OverSamples | WholeLines | None":
     """Return what takes lanes of a batch ahead in the air, None under a motion without
     straight lines.
     """
+    if not batch.segments.straight:
+        return None
     if batch.equation.bounded and batch.segments.of_samples:
+        from .over_samples import OverSamples
+
         return OverSamples(batch)
-    return WholeLines(batch) if batch.segments.straight else None
+    from .whole_lines import WholeLines
+
+    return WholeLines(batch)
 
 
 class Run:
@@ -122,11 +130,8 @@ class Run:
         )
         waiting = waiting[np.argsort(order, kind="stable")]
         with np.errstate(all="ignore"):
-            if isinstance(self.ahead, OverSamples):
-                for some in self.ahead.groups(waiting):
-                    self._march(some)
-            else:
-                self._march(waiting)
+            for some in [waiting] if self.ahead is None else self.ahead.groups(waiting):
+                self._march(some)
 
     def _march(self, waiting: Array) -> None:
         """March these cells, (cells,) indices, to their end."""

@@ -145,6 +145,10 @@ class WholeLines:
             last = np.where(batch.free_fall.occurs, -1, last)
         self.last = last
 
+    def groups(self, waiting: Array) -> list[Array]:
+        """Return the cells, (cells,), as one group."""
+        return [waiting]
+
     def move(self, lanes: Lanes) -> None:
         """Take lanes that are in the air over lines, in place."""
         equation = self.batch.equation
@@ -183,7 +187,7 @@ class WholeLines:
         y, (constant, stiffness) = lanes.y[at], pull
         rate = np.sqrt(np.maximum(1.0, stiffness))
         size = 2.0 + amplitude * (np.abs(seg.s_start[k]) + np.abs(seg.slope[k]) * omega)
-        size += rate * np.abs(v) + constant + stiffness * y
+        size += rate * np.abs(v) + np.abs(constant + stiffness * y)
         degree = degrees(
             _ROOM * size,
             seg.length[k] / omega,
