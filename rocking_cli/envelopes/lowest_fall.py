@@ -30,8 +30,6 @@ _FINEST = 5e-6
 _NEAREST = 0.997
 _NEAR = 0.9  # start of the fine search, over the lowest fall
 _ABOVE = 1.05  # end of the count of falls, over the lowest fall
-# parts of a bracket in one cut, if the march computes all amplitudes together
-_TOGETHER = 64
 # number of amplitudes on either side of an approximate fall at which the march looks
 # for it
 _NEIGHBOURS = 2
@@ -233,7 +231,7 @@ class FallSearch:
             lambda amplitude, row: self.falls(amplitude.ravel())[None],
             bracket,
             self.digits,
-            _TOGETHER if self.by_march else 2,
+            2,
             lowest=True,
         )
         return float(found.high[0])

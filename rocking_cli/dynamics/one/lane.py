@@ -71,9 +71,9 @@ class Lane:
         self.restraints = None  # ties and a tendon, None without them
         ends = np.full(2, np.inf)  # y of the right and the left side at which they fail
         if system.devices is not None:
-            from .restraints import Restraints
+            from .restraints import LaneRestraints
 
-            self.restraints = Restraints(system, segments, system.devices)
+            self.restraints = LaneRestraints(system, segments, system.devices)
             ends = system.devices.lever_ends()
         # The edges under A = 1. A body that comes back on the same side has one edge.
         self._unit = {1.0: self._edge(cells, 1.0)}

@@ -23,7 +23,7 @@ _ROOM = 64.0
 ONE = np.zeros(1, dtype=np.int64)  # index of the only lane
 
 
-class Held(NamedTuple):
+class BodyOnBranch(NamedTuple):
     """A body on one side while its restraints keep their branches."""
 
     row: Array  # row of the devices of the side, (1,)
@@ -48,7 +48,7 @@ class Held(NamedTuple):
         return _ROOM * (shaking + self.growth * abs(v) + pull)
 
 
-class Restraints:
+class LaneRestraints:
     """The restraints of one body under one motion, on every branch."""
 
     def __init__(self, system: System, segments: Segments, devices: Devices) -> None:
@@ -66,7 +66,7 @@ class Restraints:
                 self.feet[side] = alpha, kappa, unit
         # as of `Lane.size_limits`, by Omega and growth rate
         self.limits: dict[tuple[float, float], list[float]] = {}
-        self._held: dict[tuple[float, bytes, bytes], Held] = {}
+        self._held: dict[tuple[float, bytes, bytes], BodyOnBranch] = {}
 
     def slack(self) -> TiedLanes:
         """The restraints at the start, as one lane."""
@@ -86,7 +86,7 @@ class Restraints:
             ]
         )[:, :, 0]
 
-    def on(self, side: float, limit: float, ties: TiedLanes) -> Held:
+    def on(self, side: float, limit: float, ties: TiedLanes) -> BodyOnBranch:
         """The body on a side with its restraints on these branches; limit: y from which
         it has fallen.
         """
@@ -98,7 +98,7 @@ class Restraints:
             found = self._held[key] = self._of(side, limit, ties)
         return found
 
-    def _of(self, side: float, limit: float, ties: TiedLanes) -> Held:
+    def _of(self, side: float, limit: float, ties: TiedLanes) -> BodyOnBranch:
         at, devices = np.array([side]), self.devices
         row = devices.row(at)
         now = devices.branch(
@@ -108,7 +108,7 @@ class Restraints:
         of_first = law.of_first(self.equation.edge(side))
         constant, stiffness = devices.linear_terms(row, now)
         rate = growth(stiffness).item()
-        return Held(
+        return BodyOnBranch(
             row,
             now,
             float(now.low.max(initial=0.0)),
