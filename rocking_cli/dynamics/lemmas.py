@@ -120,15 +120,7 @@ Varying weight: with c and d the net drives on the two sides, it lasts at most 2
 root of the largest over the least force there; G is the product of both roots, and e
 holds w times what y adds.
 
-No later uplift. Undamped linear oscillator, equal sides: let |a| <= e < 1 from an
-impact on, and V the total variation of a to come, with all its jumps. Then B = v^2
-exp(4/3 V/(1 - e)) bounds every later v^2, if B <= 3/4 (1 - e)^2. If also B <= 3/2 (1 -
-e) times the peak so far, the body bounces below this peak to the end of the shaking.
-Proof. Over an arc v^2 changes by int 2 y' a = -int 2 y da. While v^2 <= 3/4 (1 - e)^2
-no arc rises above 2/3 v^2/(1 - e), since y'' <= y - 1 + e. So an arc multiplies v^2 by
-at most 1 + 4/3 dV/(1 - e), and an impact lowers it.
-Test `test_lemmas.py::test_lemma_7_a_summed_sequence_ends_before_anything_else_happens`,
-`contacts/test_sequences.py::test_marching_on_finds_the_same_peak`.
+Test `test_lemmas.py::test_lemma_7_a_summed_sequence_ends_before_anything_else_happens`.
 
 # Lemma 8 (free motion)
 

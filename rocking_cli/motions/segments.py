@@ -247,21 +247,6 @@ class Segments:
         return w if np.all(np.abs(w - n * w[0]) <= 1e-15 * w) else None
 
     @cached_property
-    def variation(self) -> np.ndarray:
-        """The total variation of s from the end of each segment until the ground is at
-        rest, (K,).
-        """
-        start, to = np.append(self.s_start[1:], 0.0), np.append(self.s_end[1:], 0.0)
-        return np.cumsum((np.abs(start - self.s_end) + np.abs(to - start))[::-1])[::-1]
-
-    @cached_property
-    def largest_later(self) -> np.ndarray:
-        """The largest |s| after the end of each segment, (K,)."""
-        return np.append(
-            largest_from(np.maximum(np.abs(self.s_start), np.abs(self.s_end)))[1:], 0.0
-        )
-
-    @cached_property
     def largest(self) -> float:
         """max |s| over the ends of the segments."""
         return max(largest(self.s_start), largest(self.s_end))

@@ -1,6 +1,5 @@
-"""Tests of bounces that last: those below the peak so far until the shaking is over
-(Lemma 7, under a record Lemma 14), and those that need more steps than the march
-follows.
+"""Tests of bounces that last: under a record those below the peak so far until the
+shaking is over (Lemma 14), and those that need more steps than the march follows.
 """
 
 import math
@@ -31,34 +30,6 @@ _SMALL = 0.095  # largest W over D^2/g (Lemma 14)
 _PEAK = 1.17
 _JOINED = 1e-15  # over the largest |s|: a larger change of s between lines is a jump
 _SAFE_SHARE = 1.0 - 1e-6  # share of a bound that is used; the rest is room for rounding
-
-
-def stays_below_peak(segments: Segments, lanes: Lanes) -> Array:
-    """True for lanes just after an impact that bounce or rest until the shaking is over
-    and never rise above their peak (Lemma 7). It holds for undamped linear oscillators
-    with equal edges.
-    """
-    # 1 - e: what the strongest drive to come leaves, now, at the end of the segment and
-    # on the later ones.
-    drive = 1.0 + lanes.force
-    ends = -lanes.side * lanes.amplitude * segments.s_end[lanes.segment]
-    left = 1.0 - np.maximum(
-        np.maximum(np.abs(drive), np.abs(ends)),
-        lanes.amplitude * segments.largest_later[lanes.segment],
-    )
-    # V: the segment is monotone, so its ends give its variation.
-    variation = (
-        np.abs(ends - drive) + lanes.amplitude * segments.variation[lanes.segment]
-    )
-    with np.errstate(over="ignore", divide="ignore", invalid="ignore"):
-        # B and the conditions of the lemma. By the second one no arc, which is at most
-        # 2/3 B/(1 - e) high, rises above the peak.
-        fastest = lanes.v * lanes.v * np.exp(4.0 / 3.0 * variation / left)
-        return np.asarray(
-            (left > 0.0)
-            & (fastest <= 0.75 * left * left)
-            & (fastest <= 1.5 * left * lanes.peak)
-        )
 
 
 def too_many_impacts(segments: Segments, lanes: Lanes, most: int) -> Array:

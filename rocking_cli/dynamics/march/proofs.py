@@ -12,7 +12,6 @@ from ..batch import Batch
 from ..contacts.lasting_bounces import (
     NEARLY_ELASTIC,
     bounces_to_end,
-    stays_below_peak,
     too_many_impacts,
 )
 from ..lanes import Lanes
@@ -111,10 +110,6 @@ DAMPED = [
     LaneProof(damped_settling, still=True),
     UNSETTLED,
 ]
-STAYS_BELOW_PEAK = LaneProof(
-    lambda batch, lanes: _rocked(lanes, stays_below_peak(batch.segments, lanes)),
-    "sequences_closed",
-)
 BOUNCES_TO_END = LaneProof(
     lambda batch, lanes: _rocked(
         lanes, bounces_to_end(batch.segments, lanes, batch.equation)
@@ -135,7 +130,7 @@ def proofs_of(batch: Batch, observed: bool) -> tuple[list[LaneProof], list[LaneP
     taken from rest to their next uplift) of a run. observed: True if observers look for
     more than peaks and outcomes.
     """
-    segments, linear = batch.segments, batch.equation.bounded
+    segments = batch.segments
     if batch.equation.damping:
         return DAMPED, []
     if segments.weighed is not None:
@@ -149,7 +144,6 @@ def proofs_of(batch: Batch, observed: bool) -> tuple[list[LaneProof], list[LaneP
         return [FREE_MOTION, *[TOO_MANY_IMPACTS] * nearly_elastic], []
     early = [
         FREE_MOTION,
-        *[STAYS_BELOW_PEAK] * (linear and batch.peaks),
         *[BOUNCES_TO_END] * (nearly_elastic and segments.straight),
         *[TOO_MANY_IMPACTS] * nearly_elastic,
     ]
