@@ -16,10 +16,17 @@ from .system import System
 # tau, times (1 + 3 zeta): after so long on still ground every body has had its last
 # impact that matters
 SETTLING = 250.0
-# a cell with more steps than this plus 40 for each segment of the motion fails
-MAX_STEPS = 120_000
+# a cell with more steps than this plus 10 for each segment of the motion fails
+MAX_STEPS = 20_000
 # tau: this close to a free fall of the ground the weight counts as zero
 _INSTANT = 1e-9
+
+
+def most_steps(segments: int) -> int:
+    """The number of steps beyond which a cell fails under a motion of so many
+    segments.
+    """
+    return MAX_STEPS + 10 * segments
 
 
 class FreeFall:
@@ -114,7 +121,7 @@ class Batch(NamedTuple):
             shaken,
             peaks,
             free_fall,
-            MAX_STEPS + 40 * shaken,
+            most_steps(shaken),
         )
 
     @property

@@ -195,31 +195,6 @@ Test `observers/test_contact_loss.py::test_what_a_rotation_proves_to_press_does`
 `observers/test_contact_loss.py::test_they_are_the_cells_whose_least_force_is_not_positive`,
 `tied/test_tied_contact.py::test_bounces_that_lose_the_ground_are_followed`.
 
-# Lemma 14 (one action)
-
-Undamped, equal sides, a record of straight lines without jumps that does not lift the
-body again. Let c be the drive towards +x, x the displacement with the sign of its side,
-a = +-c the outward drive, F = 1 - a and W = y'^2/2 + L(y) - a M(y), L and M the
-integrals of l and m, so that W' = -a' M between impacts. Bounces under a still drive
-have the action W^(3/2)/(1 - c^2). With phi = -x' [2/3/(1 - c^2) + y/(3 F W)], the sum
-
-    Q = log W - 2/3 log(1 - c^2) + c' phi
-
-changes along a line only by terms that vanish with the bounce. Let |c| <= e on the
-line, D = 1 - e and |df/dy| <= g while |a| <= 1. As long as W <= 0.095 D^2/g, and so g y
-<= D/10, y <= 1.053 W/F, M <= 1.05 y and v^2 <= 2 W,
-
-    |Q'| <= c'^2 (2 W)^(1/2) [4/3 e/(1 - e^2)^2 + 0.74/D^3] + 2 |c'| g W/D^3,
-    |phi| <= (2 W)^(1/2) [2/3/(1 - e^2) + 0.36/D^2].
-
-Where a line ends, Q changes by phi times the change of c'. An impact lowers Q while |c'
-phi| <= 1: log W falls by at least 2 (1 - eta), and c' phi changes by 1 - eta of itself.
-If all these changes, for W = W_0 exp(G) [(1 - c^2)/(1 - c_0^2)]^(2/3), sum up to no
-more than G, W never exceeds this value: up to the instant at which W reaches it the
-bounds hold.
-Test `contacts/test_sequences.py::test_no_peak_is_above_the_ceiling`,
-`contacts/test_sequences.py::test_marching_on_under_a_record_finds_the_same_peak`.
-
 # Lemma 15 (one outcome of a stretch, of neighbouring amplitudes)
 
 Undamped body of Eq. 2.3, one cycle of a sine, which lifts the body in its first half at

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ..dynamics.batch import MAX_STEPS
+from ..dynamics.batch import most_steps
 from ..dynamics.one.lane import Lane
 from ..dynamics.one.march import march
 from ..dynamics.one.state import Ended, Listener
@@ -44,7 +44,7 @@ class MarchWriter(Writer, Listener):
                 amplitude,
                 listener=self,
                 release=release,
-                most=MAX_STEPS + 40 * len(self.lane.segments),
+                most=most_steps(len(self.lane.segments)),
             )
             return self._history(ended, duration)
 

@@ -16,7 +16,6 @@ from support.watched_processes import PATIENCE, PROGRAM, grows
 from rocking_cli import LinearEquation, Outcome, SpectraFile, System, history, sine
 from rocking_cli.dynamics import batch
 from rocking_cli.interruption import STOPS
-from rocking_cli.responses import march_writer
 
 SMALL = "A=0.5:9:40,Omega=0.5:12:30"
 
@@ -236,7 +235,7 @@ def test_every_signal_that_stops_keeps_what_was_done(tmp_path, workers, stop):
 
 
 def test_a_step_count_that_runs_away_is_a_failed_cell(rocking, monkeypatch, tmp_path):
-    monkeypatch.setattr(batch, "MAX_STEPS", -119)
+    monkeypatch.setattr(batch, "MAX_STEPS", -29)
     assert (
         rocking(
             "spectrum",
@@ -253,7 +252,7 @@ def test_a_step_count_that_runs_away_is_a_failed_cell(rocking, monkeypatch, tmp_
         == 4
     )
     assert (tmp_path / "s.h5").exists()
-    monkeypatch.setattr(march_writer, "MAX_STEPS", -158)
+    monkeypatch.setattr(batch, "MAX_STEPS", -38)
     assert (
         history(System(LinearEquation()), sine(), 1.5, 4.0, 1.0, duration=30.0).outcome
         == Outcome.FAILED

@@ -9,11 +9,7 @@ import numpy as np
 
 from ...arrays import Array
 from ..batch import Batch
-from ..contacts.lasting_bounces import (
-    NEARLY_ELASTIC,
-    bounces_to_end,
-    too_many_impacts,
-)
+from ..contacts.lasting_bounces import NEARLY_ELASTIC, too_many_impacts
 from ..lanes import Lanes
 from ..outcome import Outcome
 
@@ -94,11 +90,6 @@ def damped_settling(batch: Batch, lanes: Lanes) -> Proved:
     return Proved(at, Outcome.ROCKED, lanes.peak[at])
 
 
-def _rocked(lanes: Lanes, proved: Array) -> Proved:
-    at = np.flatnonzero(proved)
-    return Proved(at, Outcome.ROCKED, lanes.peak[at])
-
-
 FREE_MOTION = LaneProof(free_motion, "free_phase", still=True)
 UNSETTLED = LaneProof(
     lambda batch, lanes: Proved(
@@ -110,12 +101,6 @@ DAMPED = [
     LaneProof(damped_settling, still=True),
     UNSETTLED,
 ]
-BOUNCES_TO_END = LaneProof(
-    lambda batch, lanes: _rocked(
-        lanes, bounces_to_end(batch.segments, lanes, batch.equation)
-    ),
-    "sequences_closed",
-)
 TOO_MANY_IMPACTS = LaneProof(
     lambda batch, lanes: Proved(
         np.flatnonzero(too_many_impacts(batch.segments, lanes, batch.most_steps)),
@@ -130,23 +115,15 @@ def proofs_of(batch: Batch, observed: bool) -> tuple[list[LaneProof], list[LaneP
     taken from rest to their next uplift) of a run. observed: True if observers look for
     more than peaks and outcomes.
     """
-    segments = batch.segments
     if batch.equation.damping:
         return DAMPED, []
-    if segments.weighed is not None:
+    if batch.segments.weighed is not None:
         return [FREE_MOTION], []
     # If only the outcome is wanted, lanes that cannot overturn any more end.
     last = [] if observed or batch.peaks else _cannot_overturn(batch)
-    if not batch.contact.alike:
-        return [FREE_MOTION], last
-    nearly_elastic = float(batch.cells.eta.max(initial=0.0)) > NEARLY_ELASTIC
-    if observed:
-        return [FREE_MOTION, *[TOO_MANY_IMPACTS] * nearly_elastic], []
-    early = [
-        FREE_MOTION,
-        *[BOUNCES_TO_END] * (nearly_elastic and segments.straight),
-        *[TOO_MANY_IMPACTS] * nearly_elastic,
-    ]
+    early = [FREE_MOTION]
+    if batch.contact.alike and batch.cells.eta.max(initial=0.0) > NEARLY_ELASTIC:
+        early.append(TOO_MANY_IMPACTS)
     return early, last
 
 

@@ -4,12 +4,10 @@ import numpy as np
 
 from ...arrays import Array
 from ...motions.segments import Segments
+from ..batch import most_steps
 from ..system import System
 from .lane import Lane
 from .march import march
-
-_STEPS = 20_000  # largest number of steps of a cell ...
-_FOR_EACH = 10  # ... and its growth with each segment
 
 
 class OneByOne:
@@ -32,7 +30,7 @@ class OneByOne:
     ) -> None:
         self.amplitude, self.omega = (x.tolist() for x in cells)
         # number of steps beyond which a cell fails
-        self.most = _STEPS + _FOR_EACH * len(segments)
+        self.most = most_steps(len(segments))
         # one lane for each Omega; it serves every amplitude
         self.lanes = {
             omega: Lane(system, segments, omega) for omega in dict.fromkeys(self.omega)
