@@ -207,8 +207,7 @@ def _one_by_one(
 ) -> Response:
     """`response` of flat cells of one structure, marched one after the other.
 
-    The march on arrays decides bodies that bounce for very long, and undamped bodies
-    on level ground are tested for lost contact one after the other too.
+    Undamped bodies on level ground are tested for lost contact one after the other too.
     """
     from .one.one_by_one import OneByOne
 
@@ -222,16 +221,8 @@ def _one_by_one(
     theta_ratio, outcome, impacts = found.theta_ratio, found.outcome, found.impacts
     condition = found.condition
 
-    failed = np.flatnonzero(outcome == Outcome.FAILED)
-    if failed.size:
-        again = response(system, motion, *(x[failed] for x in cells), peaks=peaks)
-        outcome[failed], impacts[failed] = again.outcome, again.impacts_at_least
-        theta_ratio[failed] = again.theta_ratio
-        condition[failed] = again.condition
-
     # The march of bodies with ties watches their contact itself.
     doubtful = (outcome == Outcome.ROCKED) & (system.devices is None)
-    doubtful[failed] = False
     level = not system.equation.damping and motion.vertical is None
     alone = found.loses_contact if level else None
     lost = cells_that_lose_contact(
