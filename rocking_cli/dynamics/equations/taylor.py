@@ -451,7 +451,7 @@ def line_series(
         np.minimum(short, 1.0) * unit,
         np.full(unit.shape, growth),
         equation.damping,
-        left_out(
+        speed_error(
             [_term(terms, degree - i) for i in range(3)],
             degree,
             unit,
@@ -475,8 +475,8 @@ def next_term(size: Any, unit: Any, degree: Any, growth: Any) -> Any:
 
 
 def changes(slope: Any, law: Recurrence, line: Any, v: Any) -> tuple[Any, Any, Any]:
-    """(a bound of df/dy, its change over the unit, zeta) as `left_out` takes them, for
-    a straight line (drive at the start, its increase) and h y' = v. slope: bound of
+    """(a bound of df/dy, its change over the unit, zeta), as `speed_error` takes them,
+    for a straight line (drive at the start, its increase) and h y' = v. slope: bound of
     df/dy without the drive.
     """
     start, gain = abs(line[0]), abs(line[1])
@@ -487,7 +487,7 @@ def changes(slope: Any, law: Recurrence, line: Any, v: Any) -> tuple[Any, Any, A
     )
 
 
-def left_out(last: Any, degree: Any, unit: Any, law: tuple[Any, Any, Any]) -> Any:
+def speed_error(last: Any, degree: Any, unit: Any, law: tuple[Any, Any, Any]) -> Any:
     """Return the error of y' after the unit [tau] of a series, by the next two terms;
     last: sizes of the term `degree` and of the two before it; law: as of `changes`,
     from which the next terms follow. Arrays or floats.

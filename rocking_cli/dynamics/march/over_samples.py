@@ -160,17 +160,17 @@ class OverSamples:
 
     def move(self, lanes: Lanes) -> None:
         """Take lanes that are in the air over samples, in place."""
-        flights, landed = self._begin(lanes), list[Flights]()
+        flights, finished = self._begin(lanes), list[Flights]()
         on = np.ones(flights.y.size, dtype=bool)
         for _ in range(_TRIES):
             on = self._try(flights, on)
             going = np.flatnonzero(on)
             if 2 * going.size < on.size:
-                landed.append(flights.take(np.flatnonzero(~on)))
+                finished.append(flights.take(np.flatnonzero(~on)))
                 flights, on = flights.take(going), on[going]
             if not going.size:
                 break
-        ended = Flights.joined([*landed, flights])
+        ended = Flights.joined([*finished, flights])
         self._end(lanes, ended.take(np.flatnonzero(ended.time > 0.0)))
 
     def _begin(self, lanes: Lanes) -> Flights:
@@ -237,10 +237,10 @@ class OverSamples:
         taken = on.copy()
         if self.peaks:  # flights in which a peak may hide go half as far
             at = np.flatnonzero(on)
-            held = at[self._hides(flights, trial, at)]
-            taken[held], half = False, trial.lines[held] // 2
-            on[held] = half > 0
-            level[held] = np.frexp(np.maximum(half, 1))[1] - 1
+            halved = at[self._hides(flights, trial, at)]
+            taken[halved], half = False, trial.lines[halved] // 2
+            on[halved] = half > 0
+            level[halved] = np.frexp(np.maximum(half, 1))[1] - 1
         for name in ("y", "v", "up", "down"):
             np.copyto(getattr(flights, name), getattr(trial, name), where=taken)
         count = trial.lines * taken

@@ -56,6 +56,7 @@ class HeldMarch(HeldState):
         self._hold()
 
     def _lift(self, first: bool = False, rest: float = math.inf) -> None:
+        """Lift the body from rest, which leaves no error, as `tied.tied_march` does."""
         super()._lift(first, rest)
         self.moments = 0.0, 0.0, 0.0
         if self.force:  # in the unit of the free body

@@ -212,13 +212,13 @@ def _weight_bounds(steps: Steps) -> tuple[Array, Array]:
     """(the least weight over m g, a bound of its second derivative) on each step."""
     if steps.weight is None:
         return np.ones(steps.reach.size), np.zeros(steps.reach.size)
-    w, n = steps.weight, np.arange(float(len(steps.weight.terms)))[:, None]
-    share = powers(steps.reach / w.unit, len(w.terms))
-    bends = n[2:] * (n[2:] - 1.0) * share[: len(w.terms) - 2] / w.unit**2
-    size = np.abs(w.terms)
+    weight, n = steps.weight, np.arange(float(len(steps.weight.terms)))[:, None]
+    sizes, powers_of_h = np.abs(weight.terms), powers(steps.reach / weight.unit, n.size)
+    bends = n[2:] * (n[2:] - 1.0) * powers_of_h[: n.size - 2] / weight.unit**2
+    # No weight is less than the first term less the sizes of all others.
     return (
-        w.terms[0] - summed(size[1:] * share[1:]),
-        summed(size[2:] * bends),
+        weight.terms[0] - summed(sizes[1:] * powers_of_h[1:]),
+        summed(sizes[2:] * bends),
     )
 
 
