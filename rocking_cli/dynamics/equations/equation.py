@@ -63,8 +63,7 @@ class Equation(ABC):
     # energy, as `fall` returns it, of a body that leaves the ground and just reaches
     # its unstable equilibrium
     barrier: Any
-    # the largest l and the largest m between the ground and `limit` [-]
-    bounds: tuple[Any, Any]
+    largest_m: Any  # the largest m between the ground and `limit` [-]
     # largest degree of a series of one body, if F and G are series about each y: its
     # cost goes with the cube
     composed: int | None = None

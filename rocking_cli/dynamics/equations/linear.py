@@ -52,7 +52,7 @@ class LinearEquation(Equation):
     # tolerance of the short series of straight lines: terms left out are below
     # rounding
     tolerance = 1e-13
-    bounds = (1.0, 1.0)
+    largest_m = 1.0
     barrier = 1.0
 
     def __init__(self, damping: float = 0.0) -> None:

@@ -104,7 +104,7 @@ class MechanismEquation(Equation):
         )
         turns = table.slope(table.turn, inner)
         self.spread = float(turns.max() / turns.min())
-        self.bounds = largest(table, table.lift), largest(table, table.push)
+        self.largest_m = largest(table, table.push)
         # y beyond the equilibrium, and the inward drive that has its equilibrium there
         beyond = np.linspace(self.top, self.limit, 4097)
         self.marks = (

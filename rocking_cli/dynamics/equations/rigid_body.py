@@ -52,7 +52,7 @@ class RigidBodyEquation(Equation):
     '0.153431'
     """
 
-    cellwise = ("_each", "alpha", "sin", "cos", "tan", "bottom", "gain", "bounds")
+    cellwise = ("_each", "alpha", "sin", "cos", "tan", "bottom", "gain", "largest_m")
 
     alpha: Any  # critical angle [rad], float or (lanes,)
     sin: Any  # sin(alpha) [-]
@@ -92,7 +92,7 @@ class RigidBodyEquation(Equation):
         self._each = each
         for key, x in own.items():
             setattr(self, key, x)
-        self.bounds = 1.0, 1.0 / self.cos
+        self.largest_m = 1.0 / self.cos
 
     def _with(self, each: dict[str, Array], own: Mapping[str, Any]) -> Self:
         """Return this equation for the numbers `each` of cells, edges or lanes, of

@@ -48,9 +48,7 @@ class TwoMechanisms(Equation):
         self.limit, self.barrier = self._of("limit"), self._of("barrier")
         self.spread = math.prod(one.spread for one in mechanisms[:2])
         self.gain = max(one.gain for one in mechanisms)
-        lift, push = (np.array([one.bounds[i] for one in mechanisms]) for i in range(2))
-        at = slice(None) if which is None else which
-        self.bounds = lift[at], push[at]
+        self.largest_m = self._of("largest_m")
 
     @classmethod
     def of_cells(cls, mechanisms: Sequence[Any]) -> Equation:
