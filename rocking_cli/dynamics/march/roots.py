@@ -4,6 +4,7 @@ points. Each lane iterates by itself; no digit depends on its neighbours.
 
 from functools import lru_cache
 from math import comb
+from typing import NamedTuple
 
 import numpy as np
 
@@ -105,50 +106,29 @@ def only_root(
     The series about the guess, of degree 6, gives a Householder step of fourth order
     and a step of Newton. A root that is too far away for that series is bracketed.
     """
-    every, found = terms, np.full((4, guess.size), np.nan)
+    found, every = np.full((4, guess.size), np.nan), terms
     lanes, s = np.arange(guess.size), guess
-    low, high = np.broadcast_to(low, s.shape), np.broadcast_to(high, s.shape)
-    table = _shift(len(terms))
-    most, close = (_MOST_TURN, _CLOSE_TURN) if speed else (_MOST, _CLOSE)
-    settled = max(close, _SETTLED)
+    bracket = tuple(np.broadcast_to(x, s.shape) for x in (low, high))
     for _ in range(_ROUNDS):
         near = powers(s, len(terms))
         near *= terms
-        q = product(table, near)  # terms of y in powers of r = (s' - s)/s
-        r, slope, value, off = _step(q, speed)
-        size = np.abs(r)
-        left_out = np.abs(q[_NEAR]) * size
-        left_out += np.abs(q[_NEAR - 1])
-        left_out *= size ** (_NEAR - 1 - speed)
-        good = (size < most) & (left_out <= close * np.abs(slope)) & (slope < 0.0)
-        if speed:  # y is stationary, but what is left out of its own series counts
-            good &= left_out * size * size <= _CLOSE * np.abs(slope)
-        # next to a turn Newton's step has not settled: there the error after it must be
-        # small too, or below the rounding of the terms
-        rounding = np.abs(near[0]) + np.abs(near[1]) + np.abs(near[2])
-        good &= off <= np.maximum(settled * np.abs(slope), _ROUNDING * rounding)
-        target = s * (1.0 + r)
-        good &= (target >= low * (1.0 - 1e-9)) & (target <= high * (1.0 + 1e-9))
-        after = value <= 0.0
-        low, high = np.where(after, low, s), np.where(after, s, high)
-        good |= high - low <= 4e-16 * high
-        done = np.flatnonzero(good)
+        q = product(_shift(len(terms)), near)  # terms of y in powers of (s' - s)/s
+        step = _step(q, speed)
+        low, high = _narrowed(step, s, bracket)
+        good = _is_root(step, q, near, speed) & _is_inside(step.to(s), *bracket)
+        done = np.flatnonzero(good | (high - low <= 4e-16 * high))
         if done.size:
             at, here = lanes[done], s[done]
-            q, r = q.take(done, axis=1), np.where(size[done] < most, r[done], 0.0)
-            y, rate = _horner(q, r, 0)
+            r = np.where(np.abs(step.r) < _most(speed), step.r, 0.0)[done]
+            y, rate = _horner(q.take(done, axis=1), r, 0)
             found[0, at], found[1, at], found[2, at] = here * (1.0 + r), y, rate / here
-            if done.size == good.size:
+            if done.size == s.size:
                 break
-            keep = np.flatnonzero(~good)
-            lanes, terms = lanes[keep], terms.take(keep, axis=1)
-            s, low, high, target = s[keep], low[keep], high[keep], target[keep]
-            value, slope = value[keep], slope[keep]
-        # Newton's step, or the middle of the bracket.
-        step = s * (1.0 - value / slope)
-        inside = (slope < 0.0) & (step > low) & (step < high)
-        step = np.where(inside, step, 0.5 * (low + high))
-        s = np.where((target > low) & (target < high) & (slope < 0.0), target, step)
+            keep = np.delete(np.arange(s.size), done)
+            lanes, terms, step = lanes[keep], terms.take(keep, axis=1), step.take(keep)
+            s, low, high = s[keep], low[keep], high[keep]
+        bracket = low, high
+        s = _next(step, s, low, high)
     if not speed:
         # A body leaves an impact with its force: the local series is too short for it.
         near = powers(found[0], len(every))
@@ -158,6 +138,70 @@ def only_root(
     return found
 
 
+class LocalStep(NamedTuple):
+    """A step from s to the root by the series about s. Every array is (lanes,)."""
+
+    r: Array  # the step over s
+    slope: Array  # derivative of y, or of y', by r at s
+    value: Array  # y, or y', at s
+    off: Array  # what Newton's last step leaves of it
+
+    def to(self, s: Array) -> Array:
+        """The s to which the step leads."""
+        return np.asarray(s * (1.0 + self.r))
+
+    def take(self, at: Array) -> "LocalStep":
+        """Return these lanes only."""
+        return LocalStep(*(x[at] for x in self))
+
+
+def _most(speed: bool) -> float:
+    return _MOST_TURN if speed else _MOST
+
+
+def _narrowed(
+    step: LocalStep, s: Array, bracket: tuple[Array, ...]
+) -> tuple[Array, Array]:
+    """The brackets with s for the end of its sign."""
+    low, high = bracket
+    after = step.value <= 0.0
+    return np.where(after, low, s), np.where(after, s, high)
+
+
+def _is_root(step: LocalStep, q: Array, near: Array, speed: bool) -> Array:
+    """True where a step ends at the root, as far as the series about s tells; near:
+    the terms of y at s.
+    """
+    size, slope = np.abs(step.r), np.abs(step.slope)
+    close = _CLOSE_TURN if speed else _CLOSE
+    left_out = np.abs(q[_NEAR]) * size
+    left_out += np.abs(q[_NEAR - 1])
+    left_out *= size ** (_NEAR - 1 - speed)
+    good = (size < _most(speed)) & (left_out <= close * slope) & (step.slope < 0.0)
+    if speed:  # y is stationary, but what is left out of its own series counts
+        good &= left_out * size * size <= _CLOSE * slope
+    # next to a turn Newton's step has not settled: there the error after it must be
+    # small too, or below the rounding of the terms
+    rounding = np.abs(near[0]) + np.abs(near[1]) + np.abs(near[2])
+    settled = max(close, _SETTLED) * slope
+    return np.asarray(good & (step.off <= np.maximum(settled, _ROUNDING * rounding)))
+
+
+def _is_inside(target: Array, low: Array, high: Array) -> Array:
+    return (target >= low * (1.0 - 1e-9)) & (target <= high * (1.0 + 1e-9))
+
+
+def _next(step: LocalStep, s: Array, low: Array, high: Array) -> Array:
+    """The next s: after the step, else after Newton's step, else the middle of the
+    bracket.
+    """
+    target, falls = step.to(s), step.slope < 0.0
+    newton = s * (1.0 - step.value / step.slope)
+    inside = falls & (newton > low) & (newton < high)
+    newton = np.where(inside, newton, 0.5 * (low + high))
+    return np.where((target > low) & (target < high) & falls, target, newton)
+
+
 @lru_cache(maxsize=64)
 def _second_derivative(count: int) -> Array:
     """Row: the second derivative of a polynomial at 1, from its terms."""
@@ -165,10 +209,8 @@ def _second_derivative(count: int) -> Array:
     return (n * (n - 1.0))[None]
 
 
-def _step(q: Array, speed: bool) -> tuple[Array, Array, Array, Array]:
-    """(the step r to the root, the slope by r, the value, what Newton's step leaves of
-    it) of y, or of y', whose terms in powers of r are q.
-    """
+def _step(q: Array, speed: bool) -> LocalStep:
+    """The step to the root of y, or of y', whose terms in powers of r are q."""
     value, slope, bend, third = (
         (q[1], 2.0 * q[2], 3.0 * q[3], 4.0 * q[4]) if speed else q[:4]
     )
@@ -179,7 +221,7 @@ def _step(q: Array, speed: bool) -> tuple[Array, Array, Array, Array]:
     p, d = _horner(q, r, int(speed))
     last = p / d
     r -= last
-    return r, slope, value, np.abs(bend) * last * last
+    return LocalStep(r, slope, value, np.abs(bend) * last * last)
 
 
 def _horner(q: Array, r: Array, derivative: int) -> tuple[Array, Array]:
