@@ -124,9 +124,9 @@ def test_a_script_without_a_guard_is_told_where_processes_begin_anew(tmp_path):
     done = subprocess.run(call, capture_output=True, text=True, check=False)
     # one of the workers is told: of exit code 1, or stopped after the other
     assert "OutputError: a worker process died " in done.stderr
-    assert done.stderr.endswith(
-        " (out of memory? a script without `if __name__ == '__main__':`?); fewer\n"
-    )
+    # Python may add a word on what the worker has left behind
+    told = " (out of memory? a script without `if __name__ == '__main__':`?); fewer\n"
+    assert told in done.stderr
 
 
 @pytest.mark.parametrize(
