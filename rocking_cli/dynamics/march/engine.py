@@ -67,19 +67,21 @@ class PooledLanes(Lanes):
     slot: Array  # place of the lane in the pool, (lanes,)
 
 
-def ahead_of(batch: Batch) -> "OverSamples | WholeLines | None":
+def ahead_of(
+    batch: Batch, observers: Sequence[Observer]
+) -> "OverSamples | WholeLines | None":
     """Return what takes lanes of a batch ahead in the air, None under a motion without
-    straight lines.
+    straight lines, or if an observer must see all of the motion.
     """
-    if not batch.segments.straight:
+    if not (batch.segments.straight and all(one.selects for one in observers)):
         return None
-    if batch.equation.bounded and batch.segments.of_samples:
+    if batch.equation.bounded and batch.segments.of_samples and not observers:
         from .over_samples import OverSamples
 
         return OverSamples(batch)
     from .whole_lines import WholeLines
 
-    return WholeLines(batch)
+    return WholeLines(batch, observers)
 
 
 class Run:
@@ -95,8 +97,8 @@ class Run:
         self.observers = list(observers)  # objects that see the motion of the lanes
         self.proofs, self.after_rest = proofs_of(batch, bool(observers))
         self.tops = batch.peaks or bool(observers)  # True if all peaks are wanted
-        # takes lanes in the air over lines of a record, if nothing is seen on the way
-        self.ahead = None if observers else ahead_of(batch)
+        # takes lanes in the air over lines of a record
+        self.ahead = ahead_of(batch, observers)
         # results so far, as in `Response`, (cells,)
         self.theta_ratio = np.full(batch.size, 0.0 if batch.peaks else np.nan)
         self.outcome = np.full(batch.size, Outcome.NO_UPLIFT, dtype=np.uint8)

@@ -13,7 +13,7 @@ and that no peak changes a result, and if the last terms show that the series ho
 other line goes through a round of the march.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, NamedTuple, Self
@@ -34,6 +34,7 @@ from ..equations.taylor import (
     line_drive,
 )
 from ..lanes import Arrays, Lanes
+from ..observers.observer import Observer
 
 _LONGEST = 0.15  # duration of a line that is tried, at most [tau]
 _LINES = 16  # lines in a row
@@ -135,8 +136,9 @@ class Behind(NamedTuple):
 class WholeLines:
     """Takes lanes of a batch over whole lines of its records."""
 
-    def __init__(self, batch: Batch) -> None:
+    def __init__(self, batch: Batch, observers: Sequence[Observer] = ()) -> None:
         self.batch, self.segments = batch, batch.segments
+        self.observers = observers  # which say what lines they must see
         # largest size of the last terms, over the duration of a line
         self.least = WITHIN * batch.equation.tolerance
         # last line of the motion of each cell that is tried, (cells,)
@@ -245,6 +247,11 @@ class WholeLines:
         clear = some.limits.hold(some.y, terms[1], end, h)
         clear &= last_terms(terms, some.last, h) <= self.least * h
         clear &= going
+        if self.observers:
+            highest = np.maximum(some.y, end.y) + 0.125 * end.acceleration
+            fastest = np.maximum(np.abs(terms[1]), np.abs(end.first)) + 0.125 * end.jerk
+            for one in self.observers:
+                clear &= ~one.needs(some.side, some.cell, highest, fastest / h)
         np.copyto(some.y, end.y, where=clear)
         np.copyto(some.v, end.first / h, where=clear)
         some.time += h * clear

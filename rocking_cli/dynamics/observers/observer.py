@@ -32,8 +32,17 @@ class Observer:
     that it needs.
     """
 
+    # True if `needs` tells which arcs the observer must see; otherwise it sees them all
+    selects = False
+
     def arcs(self, arcs: Arcs) -> None:
         """Called when lanes have moved along these arcs."""
+
+    def needs(self, side: Array, cell: Array, highest: Array, fastest: Array) -> Array:
+        """True where the observer must see an arc of a cell on a side, with these
+        bounds of y and of |y'|, (lanes,) each.
+        """
+        return np.ones(side.size, dtype=bool)
 
     def may_rest(self, lanes: Lanes) -> Array:
         """True for lanes just after an impact, whose sequence of impacts ends in rest,

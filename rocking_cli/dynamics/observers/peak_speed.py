@@ -20,6 +20,8 @@ class PeakSpeed(Observer):
     tau = p t, with p and alpha of the reference.
     """
 
+    selects = True
+
     def __init__(self, batch: Batch) -> None:
         self.equation = batch.equation
         self.contact = batch.contact
@@ -39,10 +41,7 @@ class PeakSpeed(Observer):
         self.speed.include(lanes.cell, self._speed(lanes.side, lanes.cell, y, v))
         # The speed is largest at the end of a step, or where y'' is 0 inside it.
         highest = np.maximum(arc.y, y) + 0.5 * reach * fastest
-        bound = np.maximum(
-            *(self._speed(lanes.side, lanes.cell, x, fastest) for x in (y, highest))
-        )
-        at = np.flatnonzero(self.speed.can_exceed(lanes.cell, bound))
+        at = np.flatnonzero(self.needs(lanes.side, lanes.cell, highest, fastest))
         if not at.size:
             return
         side, cell, arc = lanes.side[at], lanes.cell[at], arc.take(at)
@@ -76,6 +75,10 @@ class PeakSpeed(Observer):
             )
             s, one, other = parts(along, whole, *ends)
             self.speed.search(cell[s.own], along, s, one, other)
+
+    def needs(self, side: Array, cell: Array, highest: Array, fastest: Array) -> Array:
+        ends = (self._speed(side, cell, y, fastest) for y in (0.0 * highest, highest))
+        return self.speed.can_exceed(cell, np.maximum(*ends))
 
     def free(self, lanes: Lanes) -> None:
         zero = np.zeros(lanes.cell.size)

@@ -25,7 +25,7 @@ from rocking_cli.dynamics.march.over_samples import (
     horizon,
     least_ahead,
 )
-from rocking_cli.dynamics.response import response_under_records
+from rocking_cli.dynamics.response import response_under_records, response_with_speed
 
 LINEAR = System(LinearEquation()).with_restitution(0.9)
 
@@ -76,7 +76,7 @@ def test_the_horizon_is_where_the_lowest_path_comes_to_the_ground():
 
 def line_by_line(system, motion, cells, monkeypatch):
     with monkeypatch.context() as patch:
-        patch.setattr(engine, "ahead_of", lambda batch: None)
+        patch.setattr(engine, "ahead_of", lambda *_: None)
         return response(system, motion, *cells)
 
 
@@ -109,6 +109,21 @@ def test_many_flights_end_as_line_by_line(name, monkeypatch):
         slow = line_by_line(system, motion, cells, monkeypatch)
         allowed = room(system) * allowance(motion, *cells, system)
         assert_same(found, slow.theta_ratio, slow.outcome, allowed)
+
+
+@pytest.mark.parametrize("name", ["the oscillator", "a body on one side", "an arch"])
+def test_the_largest_speed_is_that_line_by_line(name, monkeypatch):
+    system, _ = SYSTEMS[name]
+    motion = motion_of_samples(noise(160, 0.02, 5), 0.02)
+    cells = random_cells(8, 30)
+    found, speed = response_with_speed(system, motion, *cells)
+    with monkeypatch.context() as patch:
+        patch.setattr(engine, "ahead_of", lambda *_: None)
+        slow, wanted = response_with_speed(system, motion, *cells)
+    np.testing.assert_array_equal(found.outcome, slow.outcome)
+    assert np.count_nonzero(np.isfinite(wanted)) > 2
+    np.testing.assert_allclose(speed, wanted, rtol=1e-7)
+    assert found.work.steps < 0.9 * slow.work.steps
 
 
 def test_the_steps_follow_the_impacts_and_not_the_samples():
