@@ -107,7 +107,7 @@ class Trial(NamedTuple):
 
 
 class OverSamples:
-    """Takes lanes of a batch over samples; `tables` must hold their cells."""
+    """Takes lanes of a batch over samples, one of its `groups` after the other."""
 
     def __init__(self, batch: Batch) -> None:
         self.batch, self.peaks = batch, batch.peaks

@@ -197,19 +197,19 @@ class WholeLines:
             GROWTH * rate,
         )
         return OnLines(
-            at,
-            lanes.cell[at],
-            lanes.side[at],
-            amplitude,
-            omega,
-            k,
-            lanes.phase[at],
-            y,
-            v,
-            self.last[lanes.cell[at]] - k,
-            np.zeros(at.size),
-            degree,
-            limits,
+            lane=at,
+            cell=lanes.cell[at],
+            side=lanes.side[at],
+            amplitude=amplitude,
+            omega=omega,
+            segment=k,
+            phase=lanes.phase[at],
+            y=y,
+            v=v,
+            left=self.last[lanes.cell[at]] - k,
+            time=np.zeros(at.size),
+            degree=degree,
+            limits=limits,
         )
 
     def over(self, some: OnLines, law_of: Callable[[OnLines], Recurrence]) -> Behind:
@@ -232,8 +232,8 @@ class WholeLines:
                 for name in Behind._fields
             )
         )
-        moved = np.flatnonzero(behind.time > 0.0)
-        return Behind(*(x[moved] for x in behind))
+        gone = np.flatnonzero(behind.time > 0.0)
+        return Behind(*(x[gone] for x in behind))
 
     def _line(self, law: Recurrence, some: OnLines, going: Array) -> Array:
         """Take those `going` to the ends of their lines, where these are clear; returns
