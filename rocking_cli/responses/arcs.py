@@ -4,7 +4,6 @@ that writes it down during a march.
 
 import math
 from array import array
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -19,6 +18,7 @@ from ..motions.blocks import blocks
 from ..showing import Shown
 
 if TYPE_CHECKING:
+    from ..dynamics.one.state import MarchedArc
     from ..dynamics.tied.devices import Devices
 
 
@@ -304,21 +304,11 @@ class Writer:
         self.numbers, self.terms, self.lengths = array("d"), array("d"), array("l")
         self.events = list[Event]()
 
-    def add_arc(
-        self,
-        start: float,
-        reach: float,
-        side: float,
-        pace: float,
-        h: float,
-        terms: Sequence[float],
-    ) -> None:
-        """Add an arc that lasts `reach` [tau of the side]; terms: its series over a
-        step h.
-        """
-        self.numbers.extend((start, reach, side, pace, h))
-        self.terms.extend(terms)
-        self.lengths.append(len(terms))
+    def keep(self, arc: "MarchedArc") -> None:
+        """Add an arc."""
+        self.numbers.extend(arc[:5])
+        self.terms.extend(arc.terms)
+        self.lengths.append(len(arc.terms))
 
     def add_event(
         self,

@@ -3,7 +3,6 @@ contact.
 """
 
 import math
-from collections.abc import Sequence
 
 import numpy as np
 
@@ -70,17 +69,6 @@ class MarchWriter(Writer, Listener):
         if outcome in (Outcome.ROCKED, Outcome.NO_UPLIFT):
             return Outcome.ROCKED if words else Outcome.NO_UPLIFT
         return outcome
-
-    def keep(
-        self,
-        start: float,
-        reach: float,
-        side: float,
-        pace: float,
-        h: float,
-        terms: Sequence[float],
-    ) -> None:
-        self.add_arc(start, reach, side, pace, h, terms)
 
     def note(
         self, tau: float, event: str, side: float, y: float, v: float, device: str = ""

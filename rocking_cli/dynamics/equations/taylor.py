@@ -3,9 +3,10 @@ its step, so no step is rejected. Impacts and peaks are roots of the series.
 """
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Any, Protocol
+from typing import Protocol
 
 import numpy as np
 
@@ -125,6 +126,13 @@ def _falling_factors(count: int) -> Array:
     """(4, count): 1, n, n (n - 1), n (n - 1)(n - 2), for n from 0."""
     n = np.arange(float(count))
     return np.array([np.ones(count), n, n * (n - 1.0), n * (n - 1.0) * (n - 2.0)])
+
+
+def growth_rate(stiffness: Array | float) -> Array:
+    """Return the growth rate [1/tau] of a motion for the degree of its series, with
+    this stiffness of restraints, 0 without them.
+    """
+    return np.asarray(GROWTH * np.sqrt(np.maximum(1.0, stiffness)))
 
 
 def order_for(tolerance: float, terms: float = 0.98) -> int:
@@ -439,6 +447,16 @@ def line_series(
     last = last_terms(terms, degree * unit.size + np.arange(unit.size), unit)
     with np.errstate(divide="ignore"):
         short = (WITHIN * equation.tolerance * unit / last) ** (1.0 / (degree - 1.0))
+    # What is left out: the next two terms, and the bound of the term after the last
+    # one, since the terms themselves can be small by accident.
+    start, gain = np.abs(line)
+    slope = growth * growth * weight + equation.gain * (start + gain)
+    change = equation.gain * (gain + np.abs(v * unit))
+    sizes = [_term(terms, degree - i) for i in range(3)]
+    error = 2.0 * equation.damping * sizes[0]
+    error += _speed_error(sizes, degree, unit, slope, change)
+    error += size * unit * (growth * unit) ** (degree - 1.0) * _INVERSES[degree]
+
     # the digits of turning points depend on the number of terms, which must not depend
     # on a lane's neighbours
     if drive.weight is not None:
@@ -451,13 +469,7 @@ def line_series(
         np.minimum(short, 1.0) * unit,
         np.full(unit.shape, growth),
         equation.damping,
-        speed_error(
-            [_term(terms, degree - i) for i in range(3)],
-            degree,
-            unit,
-            changes(growth * growth * weight, equation, line, v * unit),
-        )
-        + next_term(size, unit, degree, growth),
+        error,
     )
 
 
@@ -467,33 +479,13 @@ def _term(terms: Array, n: Array) -> Array:
     return np.abs(terms.ravel().take(n * lanes + np.arange(lanes)))
 
 
-def next_term(size: Any, unit: Any, degree: Any, growth: Any) -> Any:
-    """What the term after a series of this degree adds to y' by the bound of `degrees`:
-    the terms themselves can be small by accident. Arrays or floats.
+def _speed_error(
+    last: Sequence[Array], degree: Array, unit: Array, slope: Array, change: Array
+) -> Array:
+    """The error of y' after the unit [tau] of series without damping, by the next two
+    terms; last: sizes of the term `degree` and of the two before it; slope: bound of
+    df/dy, change: that of its change over the unit, from which the next terms follow.
     """
-    return size * unit * (growth * unit) ** (degree - 1.0) * _INVERSES[degree]
-
-
-def changes(slope: Any, law: Recurrence, line: Any, v: Any) -> tuple[Any, Any, Any]:
-    """(a bound of df/dy, its change over the unit, zeta), as `speed_error` takes them,
-    for a straight line (drive at the start, its increase) and h y' = v. slope: bound of
-    df/dy without the drive.
-    """
-    start, gain = abs(line[0]), abs(line[1])
-    return (
-        slope + law.gain * (start + gain),
-        law.gain * (gain + abs(v)),
-        law.damping,
-    )
-
-
-def speed_error(last: Any, degree: Any, unit: Any, law: tuple[Any, Any, Any]) -> Any:
-    """Return the error of y' after the unit [tau] of a series, by the next two terms;
-    last: sizes of the term `degree` and of the two before it; law: as of `changes`,
-    from which the next terms follow. Arrays or floats.
-    """
-    slope, change, damping = law
     first = slope * last[1] + change * last[2]
     second = slope * last[0] + change * last[1]
-    next_two = first / degree + second / (degree + 1.0)
-    return 2.0 * damping * last[0] + unit * next_two
+    return np.asarray(unit * (first / degree + second / (degree + 1.0)))

@@ -30,6 +30,7 @@ from ..equations.taylor import (
     WITHIN,
     degrees,
     factors_for,
+    growth_rate,
     last_terms,
     line_drive,
 )
@@ -187,14 +188,14 @@ class WholeLines:
         seg, k = self.segments, lanes.segment[at]
         amplitude, omega, v = lanes.amplitude[at], lanes.omega[at], lanes.v[at]
         y, (constant, stiffness) = lanes.y[at], pull
-        rate = np.sqrt(np.maximum(1.0, stiffness))
+        rate = growth_rate(stiffness)
         size = 2.0 + amplitude * (np.abs(seg.s_start[k]) + np.abs(seg.slope[k]) * omega)
-        size += rate * np.abs(v) + np.abs(constant + stiffness * y)
+        size += rate / GROWTH * np.abs(v) + np.abs(constant + stiffness * y)
         degree = degrees(
             _ROOM * size,
             seg.length[k] / omega,
             self.batch.equation.tolerance,
-            GROWTH * rate,
+            rate,
         )
         return OnLines(
             lane=at,

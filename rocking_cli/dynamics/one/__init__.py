@@ -8,7 +8,8 @@ one structure under one motion.
                   most
     state         the state of the body, and its end (Lemmas 6 and 8)
     free_march    the march from event to event (Lemmas 1 and 7)
-    restraints    ties and a tendon on each branch of their force laws
+    lane_restraints
+                  ties and a tendon on each branch of their force laws
     held_state    the state of a body with restraints, and its end
     held_march    its march, which ends steps at ends of branches too
     march         of either

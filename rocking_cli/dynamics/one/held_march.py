@@ -17,7 +17,7 @@ from ..tied.tied_lanes import TiedLanes
 from .free_march import Stop
 from .held_state import HeldState
 from .lane import LaneEdge
-from .restraints import ONE
+from .lane_restraints import ONE
 from .step import after_turn, bulge, only_fall, root, turn_of, value
 
 _STILL = 1e-20  # a speed below this after an impact counts as zero

@@ -19,9 +19,9 @@ from ..tied.series import Step
 from ..tied.tied_lanes import TiedLanes
 from ..tied.transitions import Transitions
 from .free_march import March
-from .lane import Lane, LaneEdge
-from .restraints import ONE
-from .state import Ended, LawOfDevices, Listener
+from .lane import LaneEdge
+from .lane_restraints import ONE
+from .state import Ended, LawOfDevices
 from .step import BENDS, NUMBERS, shorter, value
 
 # largest |y| of a touch over the peak: this part of the tolerance of y, or rounding;
@@ -33,21 +33,13 @@ _KNOWN = (Outcome.NO_UPLIFT, Outcome.ROCKED, Outcome.LEANING)
 class HeldState(March):
     """The state of the march of one body with restraints."""
 
-    def __init__(
-        self,
-        lane: Lane,
-        amplitude: float,
-        peaks: bool,
-        listener: Listener | None,
-        most: int,
-    ) -> None:
-        super().__init__(lane, amplitude, peaks, listener, most)
-        assert lane.restraints is not None
-        self.restraints = lane.restraints
-        devices = lane.restraints.devices
-        self.ties = lane.restraints.slack()
+    def _prepare(self) -> None:
+        assert self.lane.restraints is not None
+        self.restraints = self.lane.restraints
+        devices = self.restraints.devices
+        self.ties = self.restraints.slack()
         self.changes = Transitions(devices)
-        self.held = lane.restraints.on(1.0, self.edge.limit, self.ties)
+        self.held = self.restraints.on(1.0, self.edge.limit, self.ties)
         self.watched, self.peak = True, 0.0  # the peak tells how close a touch is
         self.touch = max(_ROUNDING, _TOUCH * self.equation.tolerance)
         self.reached = [0.0, 0.0]  # y up to which elongations are noted, by row

@@ -71,7 +71,7 @@ class Lane:
         self.restraints = None  # ties and a tendon, None without them
         ends = np.full(2, np.inf)  # y of the right and the left side at which they fail
         if system.devices is not None:
-            from .restraints import LaneRestraints
+            from .lane_restraints import LaneRestraints
 
             self.restraints = LaneRestraints(system, segments, system.devices)
             ends = system.devices.lever_ends()

@@ -16,29 +16,18 @@ from ..observers.observer import Arcs
 from ..outcome import Outcome
 from .lane import Lane
 from .march import march
-from .state import Listener
-
-# reach [tau of the side], side, h and Taylor terms in (t/h)^n
-Arc = tuple[float, float, float, Sequence[float]]
+from .state import Listener, MarchedArc
 
 
 class _KeptArcs(Listener):
     """Keeps the arcs of a march."""
 
     def __init__(self, loss: ContactLoss) -> None:
-        self.arcs: list[Arc] = []
+        self.arcs: list[MarchedArc] = []
         self.loss = loss
 
-    def keep(
-        self,
-        start: float,
-        reach: float,
-        side: float,
-        pace: float,
-        h: float,
-        terms: Sequence[float],
-    ) -> None:
-        self.arcs.append((reach, side, h, terms))
+    def keep(self, arc: MarchedArc) -> None:
+        self.arcs.append(arc)
 
     def may_rest(self, lanes: Lanes) -> bool:
         return bool(self.loss.may_rest(lanes)[0])
@@ -79,16 +68,16 @@ def loses_contact(lane: Lane, amplitude: float, most: int) -> bool:
 
 
 def _joined(
-    lane: Lane, cells: Cells, arcs: Sequence[Arc]
+    lane: Lane, cells: Cells, arcs: Sequence[MarchedArc]
 ) -> tuple[Lanes, TaylorSeries, Array]:
     """Put arcs together: (a lane for each arc, their flow, how long each lane follows
     it [tau of the side]).
     """
     # Series of different length, filled up with zeros.
-    reach, side, h = (
-        np.array(column) for column in zip(*(arc[:3] for arc in arcs), strict=True)
+    _, reach, side, _, h = (
+        np.array(column) for column in zip(*(arc[:5] for arc in arcs), strict=True)
     )
-    terms = np.array(list(zip_longest(*(arc[3] for arc in arcs), fillvalue=0.0)))
+    terms = np.array(list(zip_longest(*(arc.terms for arc in arcs), fillvalue=0.0)))
     both = lane.lanes(cells, 1.0).join(lane.lanes(cells, -1.0))
     lanes = both.take((side < 0.0).astype(np.int64))
     flow = TaylorSeries(terms, h, reach, np.zeros(reach.size))

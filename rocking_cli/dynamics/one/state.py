@@ -36,6 +36,17 @@ class Ended(NamedTuple):
     restraints: "TiedLanes | None" = None
 
 
+class MarchedArc(NamedTuple):
+    """An arc of one body."""
+
+    start: float  # instant of its start [tau]
+    reach: float  # its duration [tau of the side]
+    side: float  # +1 on the right edge, -1 on the left
+    pace: float  # tau of the side over tau [-]
+    h: float  # step of its terms [tau of the side]
+    terms: Sequence[float]  # Taylor terms of y in powers of the time over h
+
+
 class Listener:
     """What a march shows of its motion. The methods do nothing; a subclass overrides
     those that it needs.
@@ -48,18 +59,8 @@ class Listener:
     # it is certain
     fallen: tuple[float, float] | None = None
 
-    def keep(
-        self,
-        start: float,
-        reach: float,
-        side: float,
-        pace: float,
-        h: float,
-        terms: Sequence[float],
-    ) -> None:
-        """Called with each arc: its start, its duration [tau of the side], its side,
-        tau of the side over tau, and its terms over a step h.
-        """
+    def keep(self, arc: MarchedArc) -> None:
+        """Called with each arc."""
 
     def note(
         self, tau: float, event: str, side: float, y: float, v: float, device: str = ""
@@ -146,6 +147,10 @@ class MarchState:
         )
         self.end: Ended | None = None  # None while the march goes on
         self.free_fall = FreeFall.of(lane.segments, self.cells, lane.shaken)
+        self._prepare()
+
+    def _prepare(self) -> None:
+        """Set what a body with restraints has besides."""
 
     def _leave_on_still_ground(self) -> None:
         """End the march on still ground: undamped by the closed form of the free motion
@@ -334,14 +339,10 @@ class MarchState:
     def _keep(self, reach: float, h: float, terms: Sequence[float]) -> None:
         """Show an arc from the present instant on to the listener, if there is one."""
         if self.listener is not None and not self.ending:
-            self.listener.keep(
-                self.lane.tau(self.segment, self.phase),
-                reach,
-                self.edge.side,
-                float(self.lane.omega[0]) / self.edge.omega,
-                h,
-                terms,
-            )
+            start = self.lane.tau(self.segment, self.phase)
+            pace = float(self.lane.omega[0]) / self.edge.omega
+            arc = MarchedArc(start, reach, self.edge.side, pace, h, terms)
+            self.listener.keep(arc)
 
     def _note(
         self, event: str, y: float, v: float, ahead: float = 0.0, device: str = ""

@@ -18,7 +18,7 @@ body, and a body from which the ground falls away has lost contact, whatever hol
     tied_lanes  the data of the march: lanes, ends of steps, results
     transitions  restraints from branch to branch: engagement, yield, unloading, slack,
                 rupture
-    whole_lines  lines of a record along which nothing happens
+    tied_lines   lines of a record along which nothing happens
     cuts        where events end steps
     tied_march  from event to event: transitions, impact, rest, overturning
 

@@ -97,7 +97,9 @@ class Law:
         lanes.force = np.where(exact, 0.0, force)
         stiffness = self.devices.linear_terms(row, now)[1]
         if self.of_lines:
-            return taylor.line_flow(held, segments, lanes, growth(stiffness))
+            return taylor.line_flow(
+                held, segments, lanes, taylor.growth_rate(stiffness)
+            )
         rate = 1.0 + np.sqrt(stiffness)
         terms, fastest = taylor.series_flow(held, segments, lanes, self.order, rate)
         return taylor.series(terms, fastest, self.tolerance, self.equation.damping)
@@ -115,13 +117,6 @@ class Law:
         assert drive.weight is not None
         unit = drive.unit
         return TaylorSeries(drive.weight.array[:, : unit.size], unit, unit, 1.0 / unit)
-
-
-def growth(stiffness: Array) -> Array:
-    """The growth rate [1/tau] of a motion with this stiffness of its devices, for the
-    degree of a series.
-    """
-    return np.asarray(taylor.GROWTH * np.sqrt(np.maximum(1.0, stiffness)))
 
 
 class LinearMoment(NamedTuple):

@@ -52,8 +52,8 @@ from .cuts import cut
 from .devices import Branch, Devices
 from .series import HeldBody, Law, Step, one_turn
 from .tied_lanes import CutStep, Found, OnBranch, StepEnds, TiedLanes
+from .tied_lines import LEAST_LINES, TiedLines
 from .transitions import Transitions
-from .whole_lines import LEAST_LINES, TiedLines
 
 # a speed below this counts as zero: it changes y by about as much, and a later uplift
 # by far less than rounding

@@ -22,7 +22,7 @@ def _words(text: str) -> frozenset[str]:
 
 _TIMES = _words("t time times zeit tiempo tempo temps zaman elapsed 时间 時間")
 _INDICES = _words("# no nr index idx id i k row sample number")
-ACCELERATIONS = _words(
+ACCELERATION_NAMES = _words(
     "a ag acc accn accel accels acceleration accelerations accelerogram groundacc"
     " accelerazione aceleracion beschleunigung ivme 加速度"
 )
@@ -56,7 +56,9 @@ _BRACKETS = re.compile(r"[\[({<]([^\[\](){}<>]*)[\])}>]")
 _TAIL = re.compile(
     r"(.*?)\s*(?:[,:=_]|\s/|\bin\b|\s)\s*([^\s,:=_]+(?: s\S+)?)", re.IGNORECASE
 )
-_GLUED = re.compile(r"(?:acceleration|accel|acc|a)[-.]?([xyznez]|n-?s|e-?w|u-?d)")
+_GLUED = re.compile(
+    r"(?:acceleration|accel|acc|a)[-.]?(x|y|z|ns|ew|ud|n-s|e-w|u-d|[nez])"
+)
 _COMPONENT = re.compile(r"[-\s_.]*\b(?:comp(?:onent)?|dir(?:ection)?)\b\.?", re.I)
 _SPLIT = re.compile(r"[\s_.,:;/\"']+")
 _SECOND, _FIRST = "\u0308", "\u0307"  # two dots above a letter, or one: derivatives
@@ -173,11 +175,11 @@ def _named(name: str, first: bool, accelerates: bool) -> tuple[str, str | None]:
 
 
 def _without_acceleration(word: str) -> list[str]:
-    """What is left of a word such as acc, accX, Acc-NS or az: its direction."""
+    """Return the direction in a word such as accX, Acc-NS or az, none for acc; another
+    word as it stands.
+    """
     text = plain(word).strip(".,:;-/")
-    if text in ACCELERATIONS:
+    if text in ACCELERATION_NAMES:
         return []
-    glued = re.fullmatch(
-        r"(?:acceleration|accel|acc|a)[-.]?(x|y|z|ns|ew|ud|n-s|e-w|u-d|[nez])", text
-    )
+    glued = _GLUED.fullmatch(text)
     return [word[len(word) - len(glued[1]) :]] if glued else [word]

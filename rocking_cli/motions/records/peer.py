@@ -9,7 +9,7 @@ from itertools import takewhile
 import numpy as np
 
 from .directions import is_vertical_name
-from .headings import ACCELERATIONS, other_quantity
+from .headings import ACCELERATION_NAMES, other_quantity
 from .printed_numbers import finite_number
 from .record import Series
 from .text import RecordText, begins
@@ -93,8 +93,8 @@ def _unit(text: RecordText, said: str, line: int) -> str:
         raise text.no_acceleration(
             f"found {said.strip()!r}; expected an acceleration", line
         )
-    left = [x for x in names if x not in ACCELERATIONS and x not in _BESIDE]
-    if len(left) < len(names) and not left and set(names) & ACCELERATIONS:
+    left = [x for x in names if x not in ACCELERATION_NAMES and x not in _BESIDE]
+    if len(left) < len(names) and not left and set(names) & ACCELERATION_NAMES:
         return units[0] if units else "g"
     if text.given.unit is None:
         raise text.fault(

@@ -8,12 +8,12 @@ import numpy as np
 
 from ...arrays import Array
 from ...motions.segments import Segments
-from ..equations.taylor import LONGEST, size_limits
+from ..equations.taylor import LONGEST, growth_rate, size_limits
 from ..system import System
 from ..tied.bounces import Bounces
 from ..tied.contact_watch import ContactWatch
 from ..tied.devices import Branch, Devices
-from ..tied.series import HeldBody, growth
+from ..tied.series import HeldBody
 from ..tied.tied_lanes import TiedLanes
 
 _STATES = 1000  # states of the devices that are kept
@@ -107,7 +107,7 @@ class LaneRestraints:
         law = HeldBody.of(self.equation.on(at), devices, row, now)
         of_first = law.of_first(self.equation.edge(side))
         constant, stiffness = devices.linear_terms(row, now)
-        rate = growth(stiffness).item()
+        rate = growth_rate(stiffness).item()
         return BodyOnBranch(
             row,
             now,
