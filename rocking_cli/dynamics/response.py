@@ -87,8 +87,8 @@ class Response(NamedTuple):
 WAYS = ("arrays", "floats")
 # Under a motion of more than LONG segments the march on arrays takes as long for a few
 # cells as that on floats for FEW: 40 to 100 by Eqs. 2.3 and 2.4, 15 to 30 by Eq. 3.4,
-# under records of 400, 1,559 and 7,999 samples; 10 to 30 of tied bodies.
-LONG, _FEW, _FEW_COMPOSED, _FEW_TIED = 200, 60, 20, 10
+# under records of 400, 1,559 and 7,999 samples; 50 to 60 of tied bodies (1,559).
+LONG, _FEW, _FEW_COMPOSED, _FEW_TIED = 200, 60, 20, 30
 
 
 def few(system: System, segments: int) -> int:
