@@ -39,7 +39,7 @@ if TYPE_CHECKING:
 
 # lanes that are advanced together: fewer rounds against arrays that no longer fit the
 # caches; more lanes where an arc has few numbers
-_POOL, _LARGE_POOL = 4096, 32768
+_POOL, _LARGE_POOL = 4096, 16384
 
 _TRIM_THRESHOLD, _MMAP_THRESHOLD = -1, -3  # parameters of mallopt(3)
 _BLOCK = 32 << 20  # bytes, the largest that it takes
