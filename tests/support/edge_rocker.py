@@ -26,10 +26,9 @@ class EdgeRocker:
 
     springs = False
 
-    @property
-    def reach(self) -> float:
-        """pi/2: the body lies on its side."""
-        return math.pi / 2
+    def reach_to(self, phi: float) -> float:
+        """At most pi/2: the body lies on its side."""
+        return min(phi, math.pi / 2)
 
     def coefficients(self, phi: Any) -> Coefficients:
         """M, V'/g and B at rotations phi [rad], of any shape (Eq. 2.1)."""

@@ -238,7 +238,7 @@ def _collapse(mechanism: Mechanism, alpha: float) -> float:
     """The rotation [rad] at which the structure has collapsed; at least 1.25 alpha.
     Raises ArgumentError.
     """
-    phi = np.linspace(0.0, mechanism.reach, 20001)[:-1]
+    phi = np.linspace(0.0, mechanism.reach_to(0.5 * np.pi), 20001)[:-1]
     # lambda(phi) = V'/(g B) must fall and B stay positive, up to the collapse.
     c = mechanism.coefficients(phi)
     with np.errstate(all="ignore"):

@@ -76,7 +76,7 @@ def mechanism_rates(structure: RockingParameters, edge: Edge) -> Rates:
         slowness, lift, thrust = coefficients(theta)
         return (slowness * w, -pull * (weight * lift + push * thrust) - drag * w)
 
-    end = min(0.5 * math.pi, mechanism.reach)
+    end = mechanism.reach_to(0.5 * math.pi)
     _, lift, thrust = coefficients(0.0)
     return Rates(edge.alpha, lift / thrust, end, rates, returns=False)
 

@@ -149,6 +149,10 @@ class FourBar:
         fits = np.isfinite(self.rotations(scan)[0])
         return float(scan[np.argmin(fits) - 1]) if not fits.all() else float(scan[-1])
 
+    def reach_to(self, phi: float) -> float:
+        """Return phi [rad], or `reach` before it."""
+        return min(phi, self.reach)
+
     def rotations(self, phi: Any) -> tuple[Any, Any]:
         """Return the clockwise rotations [rad] of B-C and C-D at phi; NaN if the links
         cannot meet there.

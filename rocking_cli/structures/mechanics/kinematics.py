@@ -11,10 +11,12 @@ A new mechanism is a class with the methods of `Mechanism`. A single rigid body 
 closed forms (`single_body`).
 """
 
+import math
 from typing import Any, NamedTuple, Protocol
 
 from ...errors import StructureError
 
+_FIRST_SCAN = 0.1  # rad, where an equilibrium is looked for first
 # central differences of eighth order, at 1 to 4 steps
 _WEIGHTS = (4.0 / 5.0, -1.0 / 5.0, 4.0 / 105.0, -1.0 / 280.0)
 
@@ -34,9 +36,10 @@ class Mechanism(Protocol):
 
     def __hash__(self) -> int: ...
 
-    @property
-    def reach(self) -> float:
-        """The largest rotation phi [rad] at which the links still fit together."""
+    def reach_to(self, phi: float) -> float:
+        """Return phi [rad], or the largest rotation before it at which the links still
+        fit together, at most pi/2.
+        """
         ...
 
     def coefficients(self, phi: Any) -> Coefficients:
@@ -92,7 +95,7 @@ def slope_by_differences(mechanism: Mechanism, alpha: float) -> float:
     the links lock. For a mechanism without a derivative in closed form.
     """
     # V' is smooth between rest and the locked position.
-    step = 0.01 * min(alpha, mechanism.reach - alpha)
+    step = 0.01 * min(alpha, mechanism.reach_to(0.5 * math.pi) - alpha)
     if not step > 1e-9 * alpha:
         return 0.0
     return sum(
@@ -112,16 +115,21 @@ def equilibrium(mechanism: Mechanism) -> float:
     """
     import numpy as np
 
-    low, high = 0.0, mechanism.reach
+    low, end = 0.0, _FIRST_SCAN
+    high = mechanism.reach_to(end)
     while True:  # sections: each round of one call narrows the bracket 512 times
         scan = np.linspace(low, high, 513)
         below = np.flatnonzero(np.asarray(mechanism.coefficients(scan).lift) <= 0.0)
-        if not below.size:
+        if below.size:
+            first = int(below[0])
+            if high - low <= 1e-15 * high:
+                return float(scan[first])
+            low, high = float(scan[first - 1]), float(scan[first])
+            continue
+        if high < end or end >= 0.5 * math.pi:
             raise StructureError(
                 "the mechanism reaches no unstable equilibrium: its blocks collide or"
                 " come apart before"
             )
-        first = int(below[0])
-        if high - low <= 1e-15 * high:
-            return float(scan[first])
-        low, high = float(scan[first - 1]), float(scan[first])
+        low, end = high, min(2.0 * end, 0.5 * math.pi)
+        high = mechanism.reach_to(end)

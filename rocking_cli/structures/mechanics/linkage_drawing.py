@@ -54,7 +54,7 @@ def drawn(
 def _posed(linkage: Linkage, phi: float) -> tuple[list[Outline], list[Outline]]:
     """Return the outlines of the bodies that move, at phi, and of those that stay."""
     moved, still = [], []
-    at = linkage.positions(np.array([min(phi, (1.0 - 1e-6) * linkage.reach)]))
+    at = linkage.positions(np.array([(1.0 - 1e-6) * linkage.reach_to(phi)]))
     for body in linkage.assembly.bodies:
         outline = body.outline or circle(
             body.centre, math.sqrt(body.inertia / body.mass)

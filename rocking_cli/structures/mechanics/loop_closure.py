@@ -323,35 +323,9 @@ class LoopClosure:
         return Positions(q, rate, drift)
 
     @cached_property
-    def _nodes(self) -> tuple[Array, Positions]:
-        """Places on the path from which Newton's method starts: their phi, rising, and
-        positions; before rest too.
-        """
-        back = self._walk(-1.0, _BACKWARDS)
-        onward = self._walk(1.0, 0.5 * np.pi)
-        phi = np.array([p for p, _ in (*back[:0:-1], *onward)])
-        parts = [found for _, found in (*back[:0:-1], *onward)]
-        fields = (np.concatenate(x) for x in zip(*parts, strict=True))
-        return phi, Positions(*fields)
-
-    def _walk(self, way: float, stop: float) -> list[tuple[float, Positions]]:
-        """Follow the path from rest to |phi| = stop, or to where it ends."""
-        phi, step = 0.0, _FIRST
-        here = self.at_rest_turning(self.sense)
-        found = [(0.0, here)]
-        while phi < stop and step > _SHORTEST:
-            step = min(step, stop - phi)
-            guess = self._predicted(here, np.array([way * step]))
-            q = self._closed(guess)
-            jump = float(np.abs(q - guess).max())
-            if jump < _JUMP:
-                phi = stop if phi + step > stop - 1e-12 else phi + step
-                here = self._with_rates(q, self.sense)
-                found.append((way * phi, here))
-                step = min(_LONGEST, 2.0 * step if jump < 0.1 * _JUMP else step)
-            else:
-                step *= 0.5
-        return found
+    def _walks(self) -> tuple[_Walk, _Walk]:
+        """The path onwards from rest, and backwards."""
+        return _Walk(self, 1.0, 0.5 * np.pi), _Walk(self, -1.0, _BACKWARDS)
 
     @staticmethod
     def _predicted(start: Positions, step: Array) -> Array:
@@ -359,14 +333,22 @@ class LoopClosure:
         h = step[:, None]
         return start.q + h * (start.rate + 0.5 * h * start.drift)
 
-    @cached_property
-    def reach(self) -> float:
-        """Largest phi [rad] at which the links still fit together, at most pi/2."""
-        return float(self._nodes[0][-1])
+    def reach_to(self, phi: float) -> float:
+        """Return phi [rad], or the largest rotation before it at which the links still
+        fit together, at most pi/2.
+        """
+        return self._walks[0].to(phi)
 
     def positions(self, phi: Array) -> Positions:
         """Return the positions at rotations phi, (n,) [rad]; NaN beyond the path."""
-        marks, nodes = self._nodes
+        onward, back = self._walks
+        onward.to(float(np.fmax.reduce(phi, initial=0.0)))
+        back.to(-float(np.fmin.reduce(phi, initial=0.0)))
+        marks, nodes = onward.marks, onward.nodes
+        if back.marks.size > 1:
+            marks = np.concatenate([-back.marks[:0:-1], marks])
+            pairs = zip(back.nodes, nodes, strict=True)
+            nodes = Positions(*(np.concatenate([a[:0:-1], b]) for a, b in pairs))
         at = np.clip(np.searchsorted(marks, phi), 1, marks.size - 1)
         at -= phi - marks[at - 1] < marks[at] - phi
         start = Positions(*(x[at] for x in nodes))
@@ -398,6 +380,46 @@ class LoopClosure:
             np.array([d for d, _ in found]).reshape(len(found), count),
             np.array([t for _, t in found]).reshape(len(found), translations),
         )
+
+
+class _Walk:
+    """The path from rest in one direction, as far as it has been followed. Newton's
+    method for the positions starts from the nodes on it.
+    """
+
+    def __init__(self, links: LoopClosure, way: float, stop: float) -> None:
+        self.links = links
+        self.way = way  # +1 onwards, -1 backwards
+        self.stop = stop  # largest |phi| [rad]
+        self.step = _FIRST  # the next one that is tried [rad]
+        self.marks = np.zeros(1)  # |phi| of the nodes, rising [rad]
+        self.nodes = links.at_rest_turning(links.sense)
+
+    def to(self, phi: float) -> float:
+        """Follow the path to |phi| = phi [rad], or to where it ends. Return phi, or the
+        end.
+        """
+        at, found = float(self.marks[-1]), list[tuple[float, Positions]]()
+        here = Positions(*(x[-1:] for x in self.nodes))
+        while at < min(phi, self.stop) and self.step > _SHORTEST:
+            step = min(self.step, self.stop - at)
+            guess = self.links._predicted(here, np.array([self.way * step]))
+            q = self.links._closed(guess)
+            jump = float(np.abs(q - guess).max())
+            if jump < _JUMP:
+                at = self.stop if at + step > self.stop - 1e-12 else at + step
+                here = self.links._with_rates(q, self.links.sense)
+                found.append((at, here))
+                step = min(_LONGEST, 2.0 * step if jump < 0.1 * _JUMP else step)
+            else:
+                step *= 0.5
+            self.step = step
+        if found:
+            marks, nodes = zip(*found, strict=True)
+            self.marks = np.append(self.marks, marks)
+            fields = zip(self.nodes, *nodes, strict=True)
+            self.nodes = Positions(*(np.concatenate(x) for x in fields))
+        return min(phi, at)
 
 
 _CANNOT_MOVE = (

@@ -174,7 +174,7 @@ def _linearised(linkage: Linkage) -> Linearised:
     driven by the ground, and that its joints open. Raises MechanismFault.
     """
     rest, path = linkage.at_rest, linkage.path
-    if not linkage.reach > 1e-6:
+    if linkage.reach_to(1e-6) < 1e-6:
         raise MechanismFault(
             path,
             "joints: the bodies move only infinitely little: take a joint away, or a"
@@ -194,37 +194,29 @@ def _linearised(linkage: Linkage) -> Linearised:
             " rest).",
         )
     check_opening(linkage)
-    _check_equilibrium(linkage)
     try:
         form = linearise(linkage)
+        # next to the lock the position found may be that of the branch behind it, on
+        # which the weight drives the mechanism: the sign there is that of a rounding
+        beyond = min(form.alpha / (1.0 - 1e-3), 0.5 * math.pi)
+        locked = linkage.reach_to(beyond) < beyond
     except MechanismFault:
         raise
-    except StructureError:  # at the very place where the links lock
-        raise _locked(linkage) from None
+    except StructureError:  # no equilibrium, or at the very place where the links lock
+        locked = True
+    if locked:
+        raise _without_equilibrium(linkage)
     check_path(linkage, form.alpha)
     return form
 
 
-def _check_equilibrium(linkage: Linkage) -> None:
-    """Raise MechanismFault if the weight resists the mechanism to the end."""
-    hangs = linkage.reach >= 0.5 * math.pi
-    # next to the lock the position found may be that of the branch behind it, on
-    # which the weight drives the mechanism: the sign there is that of a rounding
-    end = linkage.reach if hangs else (1.0 - 1e-3) * linkage.reach
-    if np.any(linkage.coefficients(np.linspace(0.0, end, 513)).lift <= 0.0):
-        return
-    if hangs:
-        raise MechanismFault(
-            linkage.path,
-            "no unstable equilibrium: the weight brings it back at every rotation up to"
-            " 90 deg (it hangs).",
+def _without_equilibrium(linkage: Linkage) -> MechanismFault:
+    """The fault of a mechanism that its weight resists to the end."""
+    end = linkage.reach_to(0.5 * math.pi)
+    found = "the weight brings it back at every rotation up to 90 deg (it hangs)."
+    if end < 0.5 * math.pi:
+        found = (
+            f"it locks at {math.degrees(end):.3g} deg, before its weight stops bringing"
+            " it back."
         )
-    raise _locked(linkage)
-
-
-def _locked(linkage: Linkage) -> MechanismFault:
-    return MechanismFault(
-        linkage.path,
-        f"no unstable equilibrium: it locks at {math.degrees(linkage.reach):.3g} deg,"
-        " before its weight stops bringing it back.",
-    )
+    return MechanismFault(linkage.path, f"no unstable equilibrium: {found}")

@@ -57,13 +57,10 @@ class PlanarMechanism:
         if not math.isclose(one, other, rel_tol=_EQUAL, abs_tol=_EQUAL):
             return False
         phi = _SHARES * min(self.right.form.alpha, self.left.form.alpha)
-        reach = min(self.right.linkage.reach, self.left.linkage.reach)
+        sides = self.right.linkage, self.left.linkage
+        reach = min(one.reach_to(float(phi[-1])) for one in sides)
         phi = np.minimum(phi, (1.0 - 1e-6) * reach)
-        pairs = zip(
-            self.right.linkage.coefficients(phi),
-            self.left.linkage.coefficients(phi),
-            strict=True,
-        )
+        pairs = zip(*(one.coefficients(phi) for one in sides), strict=True)
         return all(
             bool(np.abs(a - b).max() <= _EQUAL * np.abs(a).max()) for a, b in pairs
         )

@@ -23,7 +23,7 @@ def test_the_polynomials_are_the_linkage_to_rounding(document):
     random = np.random.default_rng(3)
     for mechanism, alpha in mechanisms(document):
         functions = tabulated(mechanism, alpha)
-        end = min(2.0 * alpha, mechanism.reach)
+        end = mechanism.reach_to(2.0 * alpha)
         places = random.uniform(-0.1 * alpha, end, 200)
         c = mechanism.coefficients(places)
         at_rest = mechanism.coefficients(0.0).inertia
@@ -39,7 +39,7 @@ def test_where_no_polynomial_is_close_the_linkage_is_asked():
     functions = tabulated(mechanism, alpha)
     at_rest = mechanism.coefficients(0.0).inertia
     for part in (0.5, 0.1, 1e-2, 1e-4, 1e-6):
-        theta = mechanism.reach * (1.0 - part)
+        theta = mechanism.reach_to(2.0) * (1.0 - part)
         c = mechanism.coefficients(theta)
         root = np.sqrt(c.inertia / at_rest)
         exact = np.array([1.0, c.lift / at_rest, c.push / at_rest]) / root

@@ -3,6 +3,7 @@ and the static theorem.
 """
 
 import math
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -373,3 +374,17 @@ def test_a_storey_that_is_held_above_is_a_vertical_load():
     storey = find_mechanism(Assembly((lower, upper, above)), joints)
     assert storey.right.form == pytest.approx(load.right.form, rel=1e-10)
     assert storey.momentum[0] == pytest.approx(load.momentum[0], rel=1e-9)
+
+
+def test_the_path_goes_on_only_as_far_as_it_is_asked():
+    """And its positions are the same in whatever order they are asked."""
+    linkage = held_wall(0.3, 3.0, 1.65, 0.0, 1.0, "vertical").right.linkage
+    step_by_step, at_once = replace(linkage), replace(linkage)
+    phi = np.array([0.3, -0.2, 1e-3, 0.7, 2.0])
+    whole = at_once.coefficients(phi)
+    assert step_by_step.reach_to(1e-3) == 1e-3
+    assert step_by_step._walks[0].marks[-1] < 0.1
+    each = [[float(x) for x in step_by_step.coefficients(one)] for one in phi]
+    np.testing.assert_array_equal(each, np.transpose(whole))
+    assert math.isnan(each[-1][0])
+    assert step_by_step.reach_to(2.0) == at_once.reach_to(2.0) <= 0.5 * math.pi
