@@ -89,13 +89,17 @@ Eqs. 2.3 and 3.4, undamped: a body never returns if it moves outwards beyond the
 of the constant inward drive e, or has the energy to pass this barrier.
 Proof. A weaker drive pushes back less, so the energy over that barrier does not fall.
 Damped, nonlinear: only beyond the equilibrium under e. A body at theta = pi/2, or a
-collapsed linkage, has overturned.
+collapsed linkage, has overturned. A linkage that locks before is followed up to there,
+and a body that comes there is lost if F + e G < 0 from there to the collapse, F and G
+those of Eq. 3.4 on the path by a coordinate that goes on: it moves outwards, and the
+force on it stays outwards.
 Varying weight: beyond the equilibrium of the constant inward drive e/w_-, w_- the least
 weight to come, and moving outwards: there l < 0 and f >= w_- (-l - m e/w_-) >= 0. The
 bounds by energy are not used.
 Test
 `test_lemmas.py::test_lemma_6_no_drive_up_to_the_strongest_brings_back_what_is_lost`,
-`test_lemmas.py::test_lemma_6_calls_lost_what_has_the_speed_to_pass_the_barrier_and_no_less`.
+`test_lemmas.py::test_lemma_6_calls_lost_what_has_the_speed_to_pass_the_barrier_and_no_less`,
+`tests/dynamics/equations/test_locking.py::test_no_drive_of_that_strength_brings_a_body_back_from_the_end`.
 
 # Lemma 7 (the sequence of impacts ends)
 

@@ -36,7 +36,8 @@ class OneWay:
 
     def __init__(self, parts: Sequence[Part], most: float) -> None:
         nodes = 0.5 * most * (1.0 - np.cos(np.pi * (np.arange(48) + 0.5) / 48))
-        rows = np.array([self._at(parts, phi) for phi in nodes])
+        self.parts = parts
+        rows = np.array([self.at(phi) for phi in nodes])
         self.m, self.lift, self.push = (
             Chebyshev.fit(nodes, row, 40, domain=[0.0, most]) for row in rows.T
         )
@@ -45,11 +46,12 @@ class OneWay:
         self.uplift = self.lift(0.0) / abs(self.push(0.0)) / G
         self.p = math.sqrt(-self.lift.deriv()(self.alpha) / self.m(self.alpha))
         self.top = self.work(self.alpha) - self.work(0.0)
+        self.end = most  # it overturns beyond
 
-    @staticmethod
-    def _at(parts: Sequence[Part], phi: float) -> tuple[float, float, float]:
+    def at(self, phi: float) -> tuple[float, float, float]:
+        """M, V' and B."""
         m = lift = push = 0.0
-        for part in parts:
+        for part in self.parts:
             x, z, turn = (
                 sum(
                     w
@@ -103,7 +105,11 @@ def peak(
         def falls(_: float, y: np.ndarray) -> float:
             return float(y[0])
 
+        def ends(_: float, y: np.ndarray, end: float = one.end) -> float:
+            return float(y[0]) - end
+
         falls.terminal, falls.direction = True, -1
+        ends.terminal = True
         start = [0.0, w]
         found = solve_ivp(
             lambda x, y, one=one: one.rates(y[0], y[1], ground(x)),
@@ -112,11 +118,11 @@ def peak(
             method="DOP853",
             rtol=1e-11,
             atol=1e-14,
-            events=[falls, lambda _, y: y[1]],
+            events=[falls, lambda _, y: y[1], ends],
         )
         turns = [y[0] for y in found.y_events[1]] + [float(found.y[0].max())]
         largest = max(largest, max(turns) / one.alpha)
-        if largest > 3.0:
+        if found.t_events[2].size:
             return None
         t, (phi, w) = float(found.t[-1]), found.y[:, -1]
         if not found.t_events[0].size:
@@ -139,7 +145,8 @@ def _free(
     energy = 0.5 * one.m(phi) * w * w + one.work(phi) - one.work(0.0)
     for _ in range(3):
         one = sides[side]
-        if (phi > one.alpha and w > 0.0) or (w > 0.0 and energy > one.top):
+        beyond = phi > one.alpha  # it comes back only over the barrier
+        if (w > 0.0 or energy < one.top) if beyond else (w > 0.0 and energy > one.top):
             return None
         if w > 0.0:
             crest = brentq(

@@ -30,6 +30,9 @@ class EdgeRocker:
         """At most pi/2: the body lies on its side."""
         return min(phi, math.pi / 2)
 
+    def beyond_lock(self):
+        return self, math.pi / 2, np.asarray
+
     def coefficients(self, phi: Any) -> Coefficients:
         """M, V'/g and B at rotations phi [rad], of any shape (Eq. 2.1)."""
         x, z = self.pivot * self.body.mass - self.body.x, self.body.z

@@ -9,7 +9,8 @@ outward drive over lambda g,
 F and G are tabulated once (`patches`), and their series are composed with that of y.
 The sign tests of `march.advance` need F/G = lambda(phi) to fall from rest on (this is
 checked). Where F/G no longer falls, or is below -50 times its value at rest, the
-structure has collapsed.
+structure has collapsed. A linkage may lock before: its table ends there, and a body
+that comes to its end is lost if no drive to come is stronger than the weight.
 """
 
 import math
@@ -21,6 +22,7 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
 from ...arrays import Array
+from ...errors import ArgumentError
 from ...motions.segments import Segments
 from ...structures.mechanics.kinematics import Mechanism
 from ..drive import summed
@@ -278,11 +280,13 @@ class MechanismEquation(Equation):
         """
         table = self.table
         certain = y >= self.limit
+        self._require_lost(inward[certain])
         if self.damping or not steady:  # energy is lost, or the barrier moves
             return certain | (
                 (v > 0.0) & (y >= self._equilibrium(inward) * (1.0 + _MARGIN))
             )
-        maybe = np.flatnonzero(~certain & (v > 0.0))
+        known = inward <= self.table.strongest
+        maybe = np.flatnonzero(~certain & known & (v > 0.0))
         maybe = maybe[
             0.5 * v[maybe] ** 2 + table.value(table.work, y[maybe]) > self.barrier
         ]
@@ -298,6 +302,20 @@ class MechanismEquation(Equation):
                 > (rise[0] + e * rise[1]) * (1.0 + _MARGIN) + _MARGIN
             )
         return certain
+
+    def _require_lost(self, inward: Array) -> None:
+        """Raise ArgumentError if an inward drive to come could bring a body back from
+        the limit. Where it is infinite the ground falls away: there no body stands.
+        """
+        strongest = float(inward[np.isfinite(inward)].max(initial=0.0))
+        if strongest > self.table.strongest:
+            end = float(self.rotation(np.array([self.limit]))[0])
+            raise ArgumentError(
+                "the nonlinear model does not hold: the body comes to the rotation of"
+                f" {end:.3g} alpha, where its links lock and no drive below"
+                f" {self.table.strongest:.3g} times that at uplift can bring it back;"
+                f" found one of {strongest:.3g} times; expected a weaker motion"
+            )
 
     def _equilibrium(self, e: Array) -> Array:
         """The y at which F/G = -e, at most the limit, from a table; at a maximum an

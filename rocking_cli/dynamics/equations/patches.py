@@ -3,7 +3,7 @@ the linkage to rounding. A patch is short against the distance to the linkage's 
 lock-up. It is then cut into narrow patches, on which a value needs a few terms only.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
@@ -43,6 +43,9 @@ class Patches:
     turn: Array  # coefficients of phi/alpha [-], (terms, patches)
     work: Array  # coefficients of int lift dy from 0, (terms, patches)
     thrust: Array  # coefficients of int push dy from 0, (terms, patches)
+    # no inward drive up to this one, over that at uplift, brings a body back from the
+    # last edge; infinite where the structure has collapsed there
+    strongest: float = np.inf
 
     def of(self, y: Array) -> tuple[Array, Array]:
         """(index of the patch, argument of its series) for each displacement y."""
@@ -133,7 +136,8 @@ def tabulate(mechanism: Mechanism) -> Patches:
     centre, half = np.array([f[1] for f in fits]), np.array([f[2] for f in fits])
     lift, push, turn = (np.array([f[3][i] for f in fits]).T for i in range(3))
     work, thrust = (_integral(c, edges, centre, half) for c in (lift, push))
-    return _narrowed(Patches(edges, centre, half, lift, push, turn, work, thrust))
+    functions = lift, push, turn, work, thrust
+    return _narrowed(Patches(edges, centre, half, *functions, path.strongest))
 
 
 def _narrowed(wide: Patches) -> Patches:
@@ -159,7 +163,8 @@ def _narrowed(wide: Patches) -> Patches:
         (0.0 - centre[0]) / half[0], rows[2:, :_TERMS, 0].T
     )
     rows[2:, 0, 0] -= at_rest  # 0 at rest to the last digit
-    return Patches(edges, centre, half, *rows[:2, : DEGREE + 1], *rows[2:, :_TERMS])
+    series = *rows[:2, : DEGREE + 1], *rows[2:, :_TERMS]
+    return replace(Patches(edges, centre, half, *series), strongest=wide.strongest)
 
 
 class _PatchPath:
@@ -168,16 +173,18 @@ class _PatchPath:
     """
 
     def __init__(self, mechanism: Mechanism, alpha: float, stiffness: float) -> None:
-        self.mechanism, self.alpha = mechanism, alpha
+        # y, F and G are the same by every coordinate of the mechanism.
+        self.mechanism, self.most, self.turned = mechanism.beyond_lock()
+        self.alpha = alpha
         # F and G at rest, over which the table has them.
-        at_rest = mechanism.coefficients(0.0)
+        at_rest = self.mechanism.coefficients(0.0)
         root = float(np.sqrt(at_rest.inertia))
         self.lift0, self.push0 = float(at_rest.lift) / root, float(at_rest.push) / root
         # rounding of the coefficients of Eq. 3.4, over that of a number near 1
         self.noise = max(1.0, 0.1 * self.push0 / self.lift0)
         self.rate = stiffness / self.lift0  # dy/dphi over sqrt(M)
         # Rotations, and y at each of them: the integral by Gauss-Legendre quadrature.
-        end = _collapse(mechanism, alpha)
+        end, self.strongest = self._collapse()
         self.marks = np.linspace(0.0, end, 513)
         self.nodes, self.weights = np.polynomial.legendre.leggauss(20)
         self.sums = np.concatenate(
@@ -230,31 +237,39 @@ class _PatchPath:
         return [
             c.lift / root / self.lift0,
             c.push / root / self.push0,
-            phi / self.alpha,
+            self.turned(phi) / self.alpha,
         ]
 
-
-def _collapse(mechanism: Mechanism, alpha: float) -> float:
-    """The rotation [rad] at which the structure has collapsed; at least 1.25 alpha.
-    Raises ArgumentError.
-    """
-    phi = np.linspace(0.0, mechanism.reach_to(0.5 * np.pi), 20001)[:-1]
-    # lambda(phi) = V'/(g B) must fall and B stay positive, up to the collapse.
-    c = mechanism.coefficients(phi)
-    with np.errstate(all="ignore"):
-        multiplier = np.asarray(c.lift / c.push)
-    falls = (
-        (np.diff(multiplier) < 0.0)
-        & (np.asarray(c.push)[1:] > 0.0)
-        & (multiplier[1:] >= _COLLAPSED * multiplier[0])
-    )
-    end = float(phi[-1] if falls.all() else phi[np.argmin(falls)])
-    if end < 1.25 * alpha:
-        raise ArgumentError(
-            "the nonlinear model does not hold: its lambda(phi) does not fall on to the"
-            " unstable equilibrium and beyond it"
+    def _collapse(self) -> tuple[float, float]:
+        """(Coordinate at which the structure has collapsed, lies on its side or locks
+        [rad]; the largest inward drive that brings nothing back from there, over that
+        at uplift). There phi is at least 1.25 alpha. Raises ArgumentError.
+        """
+        at = np.linspace(0.0, self.most, 20001)[:-1]
+        c, phi = self.mechanism.coefficients(at), self.turned(at)
+        with np.errstate(all="ignore"):
+            multiplier = np.asarray(c.lift / c.push)
+            # the drive of either sign against which V' alone still drives it outwards
+            withstood = -c.lift / np.abs(c.push) / multiplier[0]
+        collapsed = multiplier < _COLLAPSED * multiplier[0]
+        # lambda(phi) = V'/(g B) must fall and B stay positive, up to the collapse.
+        goes_on = (
+            (np.diff(multiplier) < 0.0)
+            & (np.asarray(c.push)[1:] > 0.0)
+            & (np.diff(phi) > 0.0)
+            & ~collapsed[1:]
         )
-    return end
+        last = at.size - 1 if goes_on.all() else int(np.argmin(goes_on))
+        if phi[last] < 1.25 * self.alpha:
+            raise ArgumentError(
+                "the nonlinear model does not hold: its lambda(phi) does not fall on to"
+                " the unstable equilibrium and beyond it"
+            )
+        if collapsed[last + 1 :][:1].any() or phi[last] > 0.5 * np.pi - 2.0 * at[1]:
+            return float(at[last]), np.inf
+        # The weight drives it on from here to the collapse, or as far as it is known.
+        until = int(np.argmax(np.append(collapsed[last:], True)))
+        return float(at[last]), float(withstood[last : last + until].min())
 
 
 def _fit(

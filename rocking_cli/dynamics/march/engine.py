@@ -236,6 +236,10 @@ class Run:
         self.finish(lanes, np.flatnonzero(ended & ~still), Outcome.FAILED, np.nan)
         ended |= still
         fallen = np.flatnonzero((step.top >= equation.limit) & ~ended)
+        if fallen.size:
+            # raises if a drive could bring them back
+            top = step.top[fallen]
+            batch.cannot_return(lanes, fallen, lanes.segment[fallen], top, top)
         self.overturn(lanes, fallen)
         ended[fallen] = True
         if batch.peaks:

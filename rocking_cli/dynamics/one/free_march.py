@@ -242,6 +242,7 @@ class March(MarchState):
             top = value(terms, turn)[0]
             self._record_peak(turn * h, top)
             if top >= self.edge.limit:  # it lies on its side
+                self._cannot_return(top, 0.0)  # raises if a drive could bring it back
                 self._finish(self._overturned())
             else:
                 self._note("peak", top, 0.0, turn * h * self.edge.omega)

@@ -223,16 +223,22 @@ class MarchState:
             top = self.listener.fallen[0 if edge.side > 0.0 else 1]
         if not (self.y >= edge.limit or (self.y >= top and self.v > 0.0)):
             return
-        side = np.array([edge.side])
+        if self._cannot_return(self.y, self.v):
+            self._finish(self._overturned())
+
+    def _cannot_return(self, y: float, v: float) -> bool:
+        """True if no later drive brings the body back on its present side (Lemma 6)."""
+        side = np.array([self.edge.side])
         inward = self.segments.strongest_inward(
             side,
-            np.array([abs(edge.drive)]),
+            np.array([abs(self.edge.drive)]),
             np.array([min(self.segment, len(self.segments) - 1)]),
         )
-        y, v = np.array([self.y]), np.array([self.v])
-        steady = self.segments.weighed is None
-        if self.equation.on(side).certainly_overturns(y, v, inward, steady)[0]:
-            self._finish(self._overturned())
+        return bool(
+            self.equation.on(side).certainly_overturns(
+                np.array([y]), np.array([v]), inward, self.segments.weighed is None
+            )[0]
+        )
 
     def _fall_freely(self) -> None:
         """End the march of a body from which the ground falls away now."""

@@ -153,6 +153,9 @@ class FourBar:
         """Return phi [rad], or `reach` before it."""
         return min(phi, self.reach)
 
+    def beyond_lock(self) -> tuple["FourBar", float, Callable[[Any], Any]]:
+        return self, self.reach, np.asarray
+
     def rotations(self, phi: Any) -> tuple[Any, Any]:
         """Return the clockwise rotations [rad] of B-C and C-D at phi; NaN if the links
         cannot meet there.

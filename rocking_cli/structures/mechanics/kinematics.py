@@ -11,9 +11,13 @@ A new mechanism is a class with the methods of `Mechanism`. A single rigid body 
 closed forms (`single_body`).
 """
 
+from __future__ import annotations
+
 import math
+from collections.abc import Callable
 from typing import Any, NamedTuple, Protocol
 
+from ...arrays import Array
 from ...errors import StructureError
 
 _FIRST_SCAN = 0.1  # rad, where an equilibrium is looked for first
@@ -38,12 +42,19 @@ class Mechanism(Protocol):
 
     def reach_to(self, phi: float) -> float:
         """Return phi [rad], or the largest rotation before it at which the links still
-        fit together, at most pi/2.
+        fit together.
         """
         ...
 
     def coefficients(self, phi: Any) -> Coefficients:
         """Return M, V'/g and B at rotations phi [rad], of any shape."""
+        ...
+
+    def beyond_lock(self) -> tuple[Mechanism, float, Callable[[Array], Array]]:
+        """Return (the mechanism by a coordinate that goes on where phi is largest, the
+        largest value of this coordinate [rad], phi [rad] as a function of it); itself
+        if its links do not lock before 90 deg.
+        """
         ...
 
     # True if it carries weights without mass, which vertical motion does not change

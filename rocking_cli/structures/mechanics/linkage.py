@@ -10,7 +10,8 @@ that only rise, and weights without mass, stand beside them.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, NamedTuple
 
@@ -138,6 +139,27 @@ class Linkage(LoopClosure):
         return Coefficients(
             m.reshape(shape), lift.reshape(shape), self.direction * push.reshape(shape)
         )
+
+    def beyond_lock(self) -> tuple[Linkage, float, Callable[[Array], Array]]:
+        """Return (the mechanism by a coordinate that goes on where phi is largest, the
+        largest value of this coordinate [rad], phi [rad] as a function of it): by the
+        rotation of the body that turns fastest there.
+        """
+        end = self.reach_to(0.5 * np.pi)
+        if end >= 0.5 * np.pi:
+            return self, end, np.asarray
+        near = self.positions(np.linspace(0.0, (1.0 - 1e-6) * end, 65)).rate
+        rates = near[:, : len(self.links) - 1]
+        one_way = np.all(rates * rates[-1] > 0.0, axis=0)
+        fastest = int(np.where(one_way, np.abs(rates[-1]), 0.0).argmax())
+        other = replace(self, coordinate=self.links[fastest + 1][0])
+        own = self._frame[0]
+
+        def phi(at: Array) -> Array:
+            q = other.positions(np.ravel(at)).q[:, own]
+            return (self.sense * q).reshape(np.shape(at))
+
+        return other, other.reach_to(np.pi), phi
 
     def lift_slope(self, phi: float) -> float:
         """Return V''/g at phi [kg m]."""

@@ -54,7 +54,8 @@ def drawn(
 def _posed(linkage: Linkage, phi: float) -> tuple[list[Outline], list[Outline]]:
     """Return the outlines of the bodies that move, at phi, and of those that stay."""
     moved, still = [], []
-    at = linkage.positions(np.array([(1.0 - 1e-6) * linkage.reach_to(phi)]))
+    end = linkage.reach_to(min(phi, 0.5 * math.pi))
+    at = linkage.positions(np.array([(1.0 - 1e-6) * end]))
     for body in linkage.assembly.bodies:
         outline = body.outline or circle(
             body.centre, math.sqrt(body.inertia / body.mass)

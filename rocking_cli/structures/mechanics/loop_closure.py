@@ -325,7 +325,7 @@ class LoopClosure:
     @cached_property
     def _walks(self) -> tuple[_Walk, _Walk]:
         """The path onwards from rest, and backwards."""
-        return _Walk(self, 1.0, 0.5 * np.pi), _Walk(self, -1.0, _BACKWARDS)
+        return _Walk(self, 1.0, np.pi), _Walk(self, -1.0, _BACKWARDS)
 
     @staticmethod
     def _predicted(start: Positions, step: Array) -> Array:
@@ -335,7 +335,7 @@ class LoopClosure:
 
     def reach_to(self, phi: float) -> float:
         """Return phi [rad], or the largest rotation before it at which the links still
-        fit together, at most pi/2.
+        fit together.
         """
         return self._walks[0].to(phi)
 
