@@ -106,10 +106,10 @@ class Batch(NamedTuple):
         cells = system.contact.cells(equation, amplitude, omega)
         if system.devices is not None:
             segments = segments.followed_by_rest(np.inf)
-        elif equation.damping and omega.size:
-            segments = segments.followed_by_rest(
-                SETTLING * (1.0 + 3.0 * equation.damping) * float(cells.omega.max())
-            )
+        elif equation.damped and omega.size:
+            zeta = equation.damping_of(np.arange(omega.size))
+            slowly = SETTLING * (1.0 + 3.0 * zeta)
+            segments = segments.followed_by_rest(float((slowly * cells.omega).max()))
         free_fall = FreeFall.of(segments, cells, shaken)
         first = np.zeros(omega.size, dtype=np.int64) if first is None else first
         return cls(

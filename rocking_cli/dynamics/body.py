@@ -43,6 +43,7 @@ class Edge(NamedTuple):
     kappa: Any  # m R^2/I [-]
     unit: Any  # |theta| at y = 1 [rad]
     uplift: Any  # static uplift acceleration lambda of the equation [-]
+    damping: Any = 0.0  # zeta [-]
 
 
 def ground_reaction(
@@ -75,7 +76,7 @@ class Body(NamedTuple):
     alpha: tuple[Any, ...]  # critical angle [rad], (edges,)
     kappa: tuple[Any, ...]  # m R^2/I [-], (edges,)
     linear: bool  # True for the linear equation
-    damping: float = 0.0  # zeta [-]
+    damping: Any = 0.0  # zeta [-], float or (cells,)
     one_sided: bool = False  # True if the body stands on its right edge only
     # push over ground acceleration [-], (edges,); empty for 1
     a_scale: tuple[Any, ...] = ()
@@ -83,7 +84,7 @@ class Body(NamedTuple):
     @property
     def cellwise(self) -> tuple[str, ...]:
         """The fields that may differ from cell to cell in one march."""
-        return "alpha", "kappa", "a_scale"
+        return "alpha", "kappa", "a_scale", "damping"
 
     @classmethod
     def of_each_cell(cls, bodies: Sequence["Body"], counts: Sequence[int]) -> "Body":
@@ -96,7 +97,10 @@ class Body(NamedTuple):
                 *((one.alpha, one.kappa, one.a_scale) for one in bodies), strict=True
             )
         )
-        return bodies[0]._replace(alpha=alpha, kappa=kappa, a_scale=a_scale)
+        damping = np.repeat([one.damping for one in bodies], counts)
+        return bodies[0]._replace(
+            alpha=alpha, kappa=kappa, a_scale=a_scale, damping=damping
+        )
 
     def of(self, cells: Array) -> "Body":
         """Return the body of these cells."""
@@ -106,6 +110,7 @@ class Body(NamedTuple):
             alpha=tuple(x[cells] for x in self.alpha),
             kappa=tuple(x[cells] for x in self.kappa),
             a_scale=tuple(x[cells] for x in self.a_scale),
+            damping=self.damping[cells],
         )
 
     @property
@@ -118,13 +123,16 @@ class Body(NamedTuple):
     @property
     def edges(self) -> tuple[Edge, ...]:
         """The `Edge` of each edge of the base, right first."""
-        return tuple(map(self._edge, self.alpha, self.kappa))
+        return tuple(
+            self._edge(*pair, self.damping)
+            for pair in zip(self.alpha, self.kappa, strict=True)
+        )
 
-    def _edge(self, alpha: Any, kappa: Any) -> Edge:
+    def _edge(self, alpha: Any, kappa: Any, damping: Any) -> Edge:
         if self.linear:
-            return Edge(alpha, kappa, alpha, alpha)
+            return Edge(alpha, kappa, alpha, alpha, damping)
         functions = math if isinstance(alpha, float) else np
-        return Edge(alpha, kappa, functions.sin(alpha), functions.tan(alpha))
+        return Edge(alpha, kappa, functions.sin(alpha), functions.tan(alpha), damping)
 
     def on(self, side: Array, cell: Array) -> Edge:
         """The numbers of the edges of lanes that are on these sides, +1 right and -1
@@ -137,7 +145,7 @@ class Body(NamedTuple):
             own = [x if isinstance(x, float) else x[cell] for x in pair]
             return own[0] if len(own) == 1 else np.where(side > 0.0, *own)
 
-        return self._edge(there(self.alpha), there(self.kappa))
+        return self._edge(there(self.alpha), there(self.kappa), there((self.damping,)))
 
     def pull(self, edge: Edge) -> Any:
         """-u'' just above the ground under the weight m g alone, without a push."""
@@ -183,7 +191,7 @@ class Body(NamedTuple):
         # c of Lemma 13: the largest -u'' above the ground over its value at the ground.
         steepest = np.cos(np.maximum(edge.alpha - top, 0.0))
         growth = 1.0 if self.linear else steepest / np.cos(edge.alpha)
-        force = np.maximum(inward, 0.0) * growth + 2.0 * self.damping * fastest
+        force = np.maximum(inward, 0.0) * growth + 2.0 * edge.damping * fastest
         return np.asarray(
             weight
             - edge.kappa * (force * np.sin(edge.alpha) + fastest * fastest * steepest)
@@ -203,7 +211,7 @@ class Body(NamedTuple):
         """
         lowest = edge.alpha - turn
         kept = (1.0 - sway > 0.0) & (lowest >= _LOWEST)
-        slowed = 2.0 * self.damping * turn
+        slowed = 2.0 * edge.damping * turn
         for n in range(_PARTS):
             # z on a part of the path, and the worst value of each of its functions.
             low, high = (
@@ -221,7 +229,7 @@ class Body(NamedTuple):
                 slowed + np.sqrt(slowed**2 + np.maximum(square, 0.0)), fastest
             )
             still = self._fz_without_speed(edge, push, sway, steepest, sin, cos)
-            downwards = speed * speed * cos + 2.0 * self.damping * speed * sin
+            downwards = speed * speed * cos + 2.0 * edge.damping * speed * sin
             kept &= still - edge.kappa * downwards > 0.0
         return kept
 
@@ -266,11 +274,12 @@ def safe_acceleration(body: Body, edge: int, ratio: float) -> Any:
     (cells,). edge: 0 right, 1 left; ratio: the largest |w - 1| over this acceleration,
     w the weight over m g.
     """
-    alpha, kappa = body.alpha[edge], body.kappa[edge]
+    alpha = body.alpha[edge]
     if isinstance(alpha, float):
         return _safe_acceleration(body, edge, ratio)
-    pairs, which = np.unique(np.array([alpha, kappa]), axis=1, return_inverse=True)
-    return _safe(body, body._edge(*pairs), ratio)[which.ravel()]
+    numbers = np.array([alpha, body.kappa[edge], body.damping])
+    kinds, which = np.unique(numbers, axis=1, return_inverse=True)
+    return _safe(body, body._edge(*kinds), ratio)[which.ravel()]
 
 
 @lru_cache(maxsize=4096)

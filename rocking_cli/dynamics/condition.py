@@ -99,7 +99,7 @@ def lifted_at_once(vv: Any, before: tuple[Any, Any], after: tuple[Any, Any]) -> 
 
 
 def moved(
-    moments: Array, h: Array, slope: Array | float, damping: float, error: Array
+    moments: Array, h: Array, slope: Array | float, damping: Array | float, error: Array
 ) -> Array:
     """Return the moments of lanes, (3, lanes), after arcs of duration h [tau]; slope:
     df/dy on them; error: that of the step, over the tolerance.
@@ -115,7 +115,7 @@ def moved(
         angle = (rate * h)[swings]
         c[swings], s[swings] = np.cos(angle), np.sin(angle)
         t[swings] = -(rate * s)[swings]
-    if damping:
+    if np.any(damping):
         lost = np.exp(-damping * h)
         c, s, t = c * lost, s * lost, t * lost
     yy, yv, vv = _by_flow(rows(moments), (c, s / rate, t))
@@ -148,7 +148,7 @@ def sheared(m: ErrorMoments, jump: Any, v: Any) -> Array:
 class Differentiable(Protocol):
     """A law of motion whose slope is known: an equation, alone or with restraints."""
 
-    damping: float  # zeta [-]
+    damping: Any  # zeta [-], float or (lanes,)
 
     def slope(self, y: Any, force: Any) -> Any:
         """df/dy at displacement y, under the drive that gives this force f."""

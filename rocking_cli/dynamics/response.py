@@ -223,7 +223,7 @@ def _one_by_one(
 
     # The march of bodies with ties watches their contact itself.
     doubtful = (outcome == Outcome.ROCKED) & (system.devices is None)
-    level = not system.equation.damping and motion.vertical is None
+    level = not system.equation.damped and motion.vertical is None
     alone = found.loses_contact if level else None
     lost = cells_that_lose_contact(
         system, motion, cells, doubtful, theta_ratio, alone=alone
@@ -433,7 +433,7 @@ def can_share_records(system: System, motion: Motion) -> bool:
     return (
         motion.vertical is None
         and motion.samples is not None
-        and not system.equation.damping
+        and not system.equation.damped
         and system.devices is None
     )
 

@@ -107,7 +107,7 @@ class AmplitudeStretches:
         return (
             isinstance(system.equation, RigidBodyEquation)
             and isinstance(system.contact, Symmetric | Unequal)
-            and not system.equation.damping
+            and not system.equation.damped
             and system.devices is None
             and motion.vertical is None
             and motion.pieces in (one.pieces, one.scaled(-1.0).pieces)

@@ -94,6 +94,9 @@ def varied():
             one = replace(strong, **{field.name: other(value)})
             sides = sorted((one, weak), key=lambda side: side.side)
             found[f"edge, {field.name}"] = replace(UNEQUAL, sides=tuple(sides))
+    for label, body in (("block", BLOCK), ("edge", UNEQUAL)):
+        for zeta in (0.02, 0.08):
+            found[f"{label}, damping {zeta}"] = replace(body, damping=zeta)
     found["tied"] = TIED
     held = TIED.restraints
     for part, kind in (("ties", Tie), ("tendon", Tendon)):
@@ -253,6 +256,17 @@ def differing():
             )
     for kind, given, changes in (
         (LinearEquation, {}, {"damping": 0.05}),
+        (LinearEquation, {"damping": 0.02}, {"damping": 0.05}),
+        (
+            RigidBodyEquation,
+            {"alpha": 0.25, "damping": 0.02},
+            {"alpha": 0.26, "tolerance": 1e-8, "damping": 0.05},
+        ),
+        (
+            RigidBodyEquation,
+            {"alpha": (0.25, 0.2), "damping": 0.02},
+            {"alpha": (0.25, 0.21), "tolerance": 1e-8, "damping": 0.05},
+        ),
         (
             RigidBodyEquation,
             {"alpha": 0.25},
@@ -269,7 +283,7 @@ def differing():
             {"mechanism": None, "tolerance": 1e-8, "damping": 0.05},
         ),
     ):
-        assert set(changes) == set(inspect.signature(kind).parameters)
+        assert set(given | changes) == set(inspect.signature(kind).parameters)
         unlike = isinstance(given.get("alpha"), tuple)
         contact = (
             SYSTEMS["a damped body of unlike edges"][0].contact
@@ -281,7 +295,7 @@ def differing():
                 yield pytest.param(
                     System(kind(**given), contact),
                     System(kind(**given | {name: value}), contact),
-                    id=f"{kind.__name__}-{name}",
+                    id=f"{kind.__name__}-{'-'.join(given)}-{name}",
                 )
 
 

@@ -221,8 +221,9 @@ def _ends(
     height = path.height(v, eta)
 
     # e: the force that y and damping add to that at the ground.
-    lever = equation.on(lanes.side, lanes.cell).gain + more
-    fastest = 2.0 * equation.damping * path.growth * v * np.maximum(1.0, eta)
+    on_edge = equation.on(lanes.side, lanes.cell)
+    lever = on_edge.gain + more
+    fastest = 2.0 * on_edge.damping * path.growth * v * np.maximum(1.0, eta)
     extra = lever * _largest_weight(segments, lanes) * height + fastest
 
     # The drive stays subcritical on both sides within the segment, and e is small.

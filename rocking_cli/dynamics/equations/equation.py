@@ -77,17 +77,25 @@ class Equation(ABC):
     per_rotation: Any = 1.0  # y at |theta|/alpha = 1, if they are proportional
     # attributes that may differ from cell to cell in one march
     cellwise: tuple[str, ...] = ()
+    damping: Any  # zeta [-], float, (cells,) or (lanes,)
 
     def __init__(self, damping: float) -> None:
         if not 0.0 <= damping < math.inf:
             raise ArgumentError(f"damping: found {damping:g}; expected a number from 0")
-        # zeta [-]; without damping the motion after the shaking has a closed form
         self.damping = damping
+        # without damping the motion after the shaking has a closed form
+        self.damped = damping > 0.0
 
     @property
     def stated(self) -> float:
         """The tolerance in units of which errors are stated [-]."""
         return self.tolerance
+
+    def damping_of(self, cell: Array) -> Any:
+        """Return zeta of lanes of these cells [-], a float or (lanes,)."""
+        return (
+            self.damping[cell] if isinstance(self.damping, np.ndarray) else self.damping
+        )
 
     def on(self, side: Array, cell: Array | None = None) -> Self:
         """Return the equation with the numbers of these lanes: of the sides, +1 or -1,

@@ -2,8 +2,9 @@
 series, whose tolerance is near rounding (a user does not choose it), or exact.
 """
 
-import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from copy import copy
+from typing import Any, Self
 
 import numpy as np
 
@@ -54,12 +55,36 @@ class LinearEquation(Equation):
     tolerance = 1e-13
     largest_m = 1.0
     barrier = 1.0
+    cellwise = ("damping",)
 
     def __init__(self, damping: float = 0.0) -> None:
         super().__init__(damping)
-        self.bounded = damping == 0.0
-        # rate of the unstable mode, over p
-        self.growth = math.sqrt(1.0 + damping * damping) - damping
+        self.bounded = not self.damped
+
+    @property
+    def growth(self) -> Any:
+        """Rate of the unstable mode, over p [-]."""
+        return np.sqrt(1.0 + self.damping * self.damping) - self.damping
+
+    def _with(self, damping: Any) -> Self:
+        there = copy(self)
+        there.damping = damping
+        return there
+
+    def on(self, side: Array, cell: Array | None = None) -> Self:
+        if cell is None or not isinstance(self.damping, np.ndarray):
+            return self
+        return self._with(self.damping[cell])
+
+    def part(self, lanes: slice) -> Self:
+        own = self.damping
+        return self._with(own[lanes]) if isinstance(own, np.ndarray) else self
+
+    def of_each_cell(self, equations: Sequence[Self], counts: Sequence[int]) -> Self:
+        numbers = [one.damping for one in equations]
+        return (
+            self if len(set(numbers)) == 1 else self._with(np.repeat(numbers, counts))
+        )
 
     @property
     def stated(self) -> float:
@@ -67,7 +92,7 @@ class LinearEquation(Equation):
 
     def has_exact_flow(self, segments: Segments) -> bool:
         """True under single sinusoids, without damping and vertical motion."""
-        steady = not self.damping and segments.weighed is None
+        steady = not self.damped and segments.weighed is None
         return steady and segments.harmonics == 1 and not segments.sloped
 
     def flow(self, segments: Segments, lanes: Lanes) -> TaylorSeries:
@@ -130,4 +155,4 @@ class LinearEquation(Equation):
         """
         if not steady:
             return (v > 0.0) & (y - 1.0 > inward)
-        return y - 1.0 + (self.growth * v if self.damping else v) > inward
+        return y - 1.0 + (self.growth * v if self.damped else v) > inward

@@ -281,7 +281,7 @@ class MechanismEquation(Equation):
         table = self.table
         certain = y >= self.limit
         self._require_lost(inward[certain])
-        if self.damping or not steady:  # energy is lost, or the barrier moves
+        if self.damped or not steady:  # energy is lost, or the barrier moves
             return certain | (
                 (v > 0.0) & (y >= self._equilibrium(inward) * (1.0 + _MARGIN))
             )

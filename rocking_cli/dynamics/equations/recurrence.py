@@ -28,7 +28,8 @@ class Recurrence(Protocol):
     of tied bodies.
     """
 
-    damping: float  # zeta [-]
+    damping: Any  # zeta [-], float or (lanes,)
+    damped: bool  # True if it is not 0
     tolerance: float  # error of y that a series keeps [-]
     gain: Any  # upper bound of |df/dy| near the ground, for drives |a| <= 1 [-]
 
@@ -167,7 +168,7 @@ def motion_terms(
     motion.append(v * unit)
     lift, push, extend = equation.along(motion, new)
     held = equation.held(motion, lift, push, new)
-    drag = 2.0 * equation.damping / unit if equation.damping else None
+    drag = 2.0 * equation.damping / unit if equation.damped else None
     line = type(motion) is list and len(drive) == 2
     for n, factor in enumerate(factors):
         if n:

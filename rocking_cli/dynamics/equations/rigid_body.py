@@ -52,7 +52,17 @@ class RigidBodyEquation(Equation):
     '0.153431'
     """
 
-    cellwise = ("_each", "alpha", "sin", "cos", "tan", "bottom", "gain", "largest_m")
+    cellwise = (
+        "_each",
+        "alpha",
+        "sin",
+        "cos",
+        "tan",
+        "bottom",
+        "gain",
+        "largest_m",
+        "damping",
+    )
 
     alpha: Any  # critical angle [rad], float or (lanes,)
     sin: Any  # sin(alpha) [-]
@@ -73,7 +83,7 @@ class RigidBodyEquation(Equation):
         # number of cells if each has two edges, otherwise 0
         self._two_edged = np.size(alpha) // 2 if np.ndim(alpha) == 2 else 0
         kinds, which = np.unique(np.ravel(alpha), return_inverse=True)
-        numbers = [_numbers(x) for x in kinds.tolist()]
+        numbers = [_numbers(x) | {"damping": damping} for x in kinds.tolist()]
         # Of the cells, or of the right edge and the left; of all right edges first.
         if not numbers:
             raise ArgumentError("alpha: found no angle; expected one or more")
@@ -99,7 +109,7 @@ class RigidBodyEquation(Equation):
         which it has `own`.
         """
         there = object.__new__(type(self))
-        there.damping = self.damping
+        there.damped = self.damped
         there.order = self.order
         there.tolerance = self.tolerance
         there._by_cell = self._by_cell
@@ -138,7 +148,7 @@ class RigidBodyEquation(Equation):
             key: np.concatenate([one._each[key] for one in (self, *others)])
             for key in self._each
         }
-        if each["alpha"].min() == each["alpha"].max():
+        if all(x.min() == x.max() for x in each.values()):
             return self
         rows = self._with(each, each)
         rows._by_cell = True
@@ -149,7 +159,7 @@ class RigidBodyEquation(Equation):
         numbers = {
             key: np.array([one._each[key] for one in equations]) for key in self._each
         }
-        if np.all(numbers["alpha"] == numbers["alpha"][0]):
+        if all(np.all(x == x[0]) for x in numbers.values()):
             return self
         each = {
             key: np.repeat(x, counts, axis=0).T.ravel() for key, x in numbers.items()
@@ -265,7 +275,7 @@ class RigidBodyEquation(Equation):
         e = inward * self.tan
         gap = self.alpha + np.arctan(e) - self.sin * y
         on_its_side = self.sin * y >= 0.5 * math.pi
-        if self.damping or not steady:  # energy is lost, or the barrier moves
+        if self.damped or not steady:  # energy is lost, or the barrier moves
             return ((v > 0.0) & (gap <= 0.0)) | on_its_side
         half = np.tan(0.5 * gap)
         half *= half

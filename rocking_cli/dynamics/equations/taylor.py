@@ -50,7 +50,7 @@ class TaylorSeries(Arrays):
     unit: Array  # unit of time of the series [tau], (lanes,)
     longest: Array  # longest h for which the series holds [tau], (lanes,)
     fastest: Array  # rate of the fastest change [1/tau], (lanes,)
-    damping: float = 0.0  # zeta [-]
+    damping: Array | float = 0.0  # zeta [-], float or (lanes,)
     # bound of the error of y' after `longest`, None where the terms tell it, (lanes,)
     error: Array | None = None
 
@@ -282,7 +282,7 @@ def series_flow(
 
 
 def series(
-    terms: Array, fastest: Array, tolerance: float, damping: float = 0.0
+    terms: Array, fastest: Array, tolerance: float, damping: Array | float = 0.0
 ) -> TaylorSeries:
     """Build the series from its terms, with the longest step that the tolerance allows;
     arguments as of `longest`.

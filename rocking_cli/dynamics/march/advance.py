@@ -148,8 +148,7 @@ def _impacts(
         s[at] *= when
         velocity[at] = np.minimum(0.0, speed * over)
         force[at] = rate * over * over
-        if arc.damping:
-            force[at] += 2.0 * arc.damping * velocity[at]
+        force[at] += 2.0 * np.broadcast_to(arc.damping, h.shape)[at] * velocity[at]
     return velocity, force
 
 

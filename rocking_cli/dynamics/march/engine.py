@@ -281,16 +281,19 @@ class Run:
         y, v = np.where(step.hit, 0.0, step.end.y), step.end.v.copy()
         np.copyto(v, step.impact_v, where=step.hit)
         ends, h = ((lanes.y, lanes.v), (y, v)), step.reach
-        slope = np.broadcast_to(slope_between(equation, *ends, h), h.shape)
+        slope, damping = (
+            np.broadcast_to(x, h.shape)
+            for x in (slope_between(equation, *ends, h), equation.damping)
+        )
         error = in_tolerances(step.error, equation.stated)
         at = np.flatnonzero(step.top >= lanes.peak)
         if at.size:
             before = lanes.moments.take(at, axis=1)
-            moment = moved(
-                before, step.top_at[at], slope[at], equation.damping, error[at]
-            )[0]
+            moment = moved(before, step.top_at[at], slope[at], damping[at], error[at])[
+                0
+            ]
             self._keep_moment(lanes, at, step.top[at], moment)
-        lanes.moments[:3] = moved(lanes.moments, h, slope, equation.damping, error)
+        lanes.moments[:3] = moved(lanes.moments, h, slope, damping, error)
 
     def _keep_moment(self, lanes: Lanes, at: Array, y: Array, moment: Array) -> None:
         """Store the second moment of |theta|/alpha at peaks y of the lanes `at`, from
@@ -329,7 +332,7 @@ class Run:
         """Finish lanes in the air that have ended, and set `ended` for them."""
         batch = self.batch
         still = np.flatnonzero(air & (lanes.segment >= batch.shaken))
-        if batch.equation.damping and still.size:
+        if batch.equation.damped and still.size:
             some = lanes.take(still)
             for proof in self.proofs:
                 some = self._prove(proof, some)
@@ -355,7 +358,7 @@ class Run:
         batch, seg, before = self.batch, self.batch.segments, lanes.segment
         lanes.segment, lanes.phase = place(seg, before, lanes.phase + lanes.omega * h)
         lanes.y = np.zeros(h.size)
-        omega, drag = lanes.omega, 2.0 * batch.equation.damping
+        omega, drag = lanes.omega, 2.0 * batch.equation.damping_of(lanes.cell)
         batch.contact.impact(batch.cells, lanes, v, b)
         lanes.force = seg.force_at_impact(
             lanes.side, lanes.amplitude, lanes.segment, lanes.phase, lanes.force
@@ -367,9 +370,9 @@ class Run:
                 (lanes.v, lanes.force - drag * lanes.v),
                 omega / lanes.omega,
             )
-        lanes.impacts += lanes.segment < batch.shaken if batch.equation.damping else 1
+        lanes.impacts += lanes.segment < batch.shaken if batch.equation.damped else 1
         self._renew_forces(lanes, before)
-        if batch.equation.damping:
+        if batch.equation.damped:
             self.bounced[lanes.cell[lanes.segment >= batch.shaken]] = True
         for proof in self.proofs:
             lanes = self._prove(proof, lanes)
@@ -442,7 +445,7 @@ class Run:
         the indices of the finished lanes.
         """
         at, outcome, peak = proved
-        if proof.still and self.batch.equation.damping:
+        if proof.still and self.batch.equation.damped:
             for observer in self.observers:
                 kept = observer.may_settle(lanes.take(at), self.bounced)
                 at, peak = at[kept], np.asarray(peak)[kept]

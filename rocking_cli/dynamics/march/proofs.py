@@ -72,7 +72,8 @@ def damped_settling(batch: Batch, lanes: Lanes) -> Proved:
     """
     at = np.flatnonzero(lanes.segment >= batch.shaken)
     y, v = lanes.y[at], lanes.v[at]
-    top = batch.equation.damped_peak(y, v)
+    here = batch.equation.on(lanes.side[at], lanes.cell[at])
+    top = here.damped_peak(y, v)
     # Start the comparison from the next peak, where this is known: the body is at rest
     # there, and has lost the energy that damping takes on the way.
     known = np.flatnonzero(np.isfinite(top))
@@ -115,7 +116,7 @@ def proofs_of(batch: Batch, observed: bool) -> tuple[list[LaneProof], list[LaneP
     taken from rest to their next uplift) of a run. observed: True if observers look for
     more than peaks and outcomes.
     """
-    if batch.equation.damping:
+    if batch.equation.damped:
         return DAMPED, []
     if batch.segments.weighed is not None:
         return [FREE_MOTION], []

@@ -70,7 +70,7 @@ def chord_errors(
     4 zeta^2) |u'|, for the nonlinear equation with |sin z| for |z|; the linear one has
     no P |u'|.
     """
-    zeta2, heavy = 2.0 * body.damping, 1.0 + s.sway
+    zeta2, heavy = 2.0 * edge.damping, 1.0 + s.sway
     v, turn = _largest_speed(body, edge, s, h, one, other)
     sin = np.sin(np.minimum(turn, 0.5 * np.pi))
     lean = turn if body.linear else sin
@@ -99,7 +99,7 @@ def _largest_speed(
     """(V, a bound of |u'| on each part, infinite where the part is too long; a
     bound of |z|).
     """
-    zeta2, heavy, eighth = 2.0 * body.damping, 1.0 + s.sway, 0.125 * h * h
+    zeta2, heavy, eighth = 2.0 * edge.damping, 1.0 + s.sway, 0.125 * h * h
     flat, steep = s.push1 + zeta2 * s.push, heavy + zeta2 * zeta2
     by_turn, mean_u = s.sway1 + zeta2 * heavy, 0.5 * (one.u + other.u)
     # The third derivative of u is at most flat + steep |u'|.
@@ -180,7 +180,7 @@ class ContactLoss(Observer):
         arc = arcs.flow.take(at)
         low = np.zeros(at.size)
         high = arcs.stop[at]
-        slowing = 2.0 * self.body.damping
+        slowing = 2.0 * self.batch.equation.damping_of(lanes.cell)
         one = self._ends(lanes, low, arc.y, arc.v, arc.b)
         other = self._ends(
             lanes, high, arcs.y[at], arcs.v[at], arcs.force[at] - slowing * arcs.v[at]
@@ -329,11 +329,11 @@ class ContactLoss(Observer):
                 edge,
                 0.0,
                 rate,
-                -self.body.pull(edge) - 2.0 * self.body.damping * rate,
+                -self.body.pull(edge) - 2.0 * edge.damping * rate,
                 0.0,
                 1.0,
             )
-            if self.body.damping:
+            if self.batch.equation.damped:
                 falls = (
                     q <= (1.0 if self.body.linear else 4.0 * np.cos(edge.alpha))
                 ) & (here.unit * lanes.y <= 2.0 * here.alpha)

@@ -57,7 +57,7 @@ class Lane:
         # no closed form of the free motion: march on over still ground
         if system.devices is not None:
             segments = segments.followed_by_rest(math.inf)
-        elif system.equation.damping:
+        elif system.equation.damped:
             segments = segments.followed_by_rest(
                 SETTLING
                 * (1.0 + 3.0 * system.equation.damping)

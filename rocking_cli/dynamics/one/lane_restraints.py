@@ -62,7 +62,7 @@ class LaneRestraints:
         if (body := devices.body) is not None:
             for side in (1.0, -1.0):
                 edge = body.on(np.array([side]), ONE)
-                alpha, kappa, unit, _ = (float(np.ravel(x)[0]) for x in edge)
+                alpha, kappa, unit, *_ = (float(np.ravel(x)[0]) for x in edge)
                 self.feet[side] = alpha, kappa, unit
         # as of `Lane.size_limits`, by Omega and growth rate
         self.limits: dict[tuple[float, float], list[float]] = {}

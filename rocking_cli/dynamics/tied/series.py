@@ -259,7 +259,7 @@ class HeldBody:
     ) -> None:
         self.equation = equation
         self.moment = moment  # of the devices
-        self.damping = equation.damping
+        self.damping, self.damped = equation.damping, equation.damped
         self.tolerance = equation.tolerance
         self.stated = equation.stated
         self.gain = equation.gain

@@ -76,7 +76,7 @@ class TiedMarch:
         self.devices, self.speed = devices, speed
         self.one_sided = isinstance(self.contact, OneSided)
         # bits of `turned` to the second turn on a side, and all bits that it needs
-        again = self.equation.damping and self.devices.body is not None
+        again = self.equation.damped and self.devices.body is not None
         self.again = 2 if again else 0
         self.every = (1 if self.one_sided else 3) << self.again
         sides = np.array([1.0, -1.0])
