@@ -88,6 +88,10 @@ class System(NamedTuple):
                 [one.contact for one in systems], counts
             ),
             body=Body.of_each_cell(bodies, counts) if bodies else None,
+            devices=first.devices
+            and first.devices.of_each_cell(
+                [one.devices for one in systems if one.devices], counts
+            ),
             scale=None if first.scale is None else np.repeat(scales, counts),
         )
 
@@ -129,16 +133,14 @@ class System(NamedTuple):
         ----------
         mixed
             True if they may differ in all numbers that the march has for each cell,
-            which it has under a motion without a vertical part for bodies without ties
-            and tendon; False: in the restitution alone
+            which it has under a motion without a vertical part; False: in the
+            restitution alone
 
         Returns
         -------
         tuple
         """
-        if mixed and self.devices is None:
-            return _key(self, True)
-        return self.with_restitution(None).key()
+        return _key(self, True) if mixed else self.with_restitution(None).key()
 
     @property
     def alike(self) -> bool:

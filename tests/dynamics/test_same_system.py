@@ -135,6 +135,9 @@ def test_a_shared_march_answers_each_body_as_alone(method, cells):
         if method.serves(s) and "friction" not in label
     }
     march = SharedMarch(sine(2), list(bodies.values()), [method] * len(bodies))
+    group = dict(zip(bodies, march.group.tolist(), strict=True))
+    assert group["tied"] == group["ties, stiffness"]
+    assert group["block, damping 0.02"] == group["block, damping 0.08"]
     which = np.repeat(np.arange(len(bodies)), cells.shape[1])
     together = march.response(which, *np.tile(cells, len(bodies)))
     for i, (label, s) in enumerate(bodies.items()):

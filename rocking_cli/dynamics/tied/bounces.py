@@ -33,27 +33,28 @@ class Bounces:
         self.segments = segments
         # theta^2 P h/(m g R sin(alpha)) over y, both in the unit in which the held body
         # falls back with acceleration 1 and y < 1/2
-        self._levers = (
-            0.0
-            if devices.linear
-            else 0.5 * float(np.max(devices.unit * devices.held_at_first())) ** 2
-        )
+        held = (devices.unit * devices.held_at_first()).reshape(-1, devices.sides)
+        # of each row, (rows,)
+        self._levers = np.repeat(0.5 * held.max(axis=1) ** 2, devices.sides)
+        if devices.linear:
+            self._levers[:] = 0.0
 
     def uplift_ratios(self, lanes: TiedLanes) -> Array:
         """The drive at which lanes at rest leave the ground onto each side, over that
         of the free body, (sides, lanes).
         """
-        rows = range(len(self.devices.stiffness))
-        count = lanes.cell.size
         return np.array(
             [
-                1.0
-                + self.devices.pull(
-                    np.full(count, i), lanes.branch[i], lanes.plastic[i]
-                )
-                for i in rows
+                1.0 + self.devices.pull(row, lanes.branch[i], lanes.plastic[i])
+                for i, row in enumerate(self._rows(lanes))
             ]
         )
+
+    def _rows(self, lanes: TiedLanes) -> list[Array]:
+        """The rows of lanes on each of their sides."""
+        sides = (1.0, -1.0)[: self.devices.sides]
+        ones = np.ones(lanes.cell.size)
+        return [self.devices.row(side * ones, lanes.cell) for side in sides]
 
     def end(self, lanes: TiedLanes) -> Array:
         """True for lanes just after an impact whose bouncing ends in rest before any
@@ -66,8 +67,9 @@ class Bounces:
         devices = self.devices
         lowest = np.full(lanes.cell.size, np.inf)
         falls = np.zeros(lanes.cell.size, dtype=bool)
-        for i, ratio in enumerate(self.uplift_ratios(lanes)):
-            row, whole = np.full(ratio.size, i), lanes.branch[i] != BROKEN
+        every, rows = self.uplift_ratios(lanes), self._rows(lanes)
+        for i, (ratio, row) in enumerate(zip(every, rows, strict=True)):
+            whole = lanes.branch[i] != BROKEN
             # y at which the first device yields or breaks: the lemma's peak must stay
             # below it.
             limit = np.minimum(
@@ -87,10 +89,10 @@ class Bounces:
             falls |= (whole & (soft | (x < -0.4 * h))).any(axis=0)
         free.peak[:] = np.minimum(free.peak, lowest)
         # The drive goes up to that at uplift, which is larger than of the free body.
-        held = self.uplift_ratios(lanes).max(axis=0)
-        gain = self.equation.on(lanes.side).gain * (held - 1.0)
+        on_edge = self.equation.on(lanes.side, lanes.cell)
+        gain = on_edge.gain * (every.max(axis=0) - 1.0)
         return ~falls & sequence_ends(
-            self.segments, free, self.equation, there, self._levers + gain
+            self.segments, free, self.equation, there, self._levers[rows[0]] + gain
         )
 
     def free(self, lanes: TiedLanes) -> tuple[TiedLanes, OtherSide | None]:
@@ -99,7 +101,7 @@ class Bounces:
         the body at rest falls back with acceleration 1.
         """
         every = self.uplift_ratios(lanes)
-        row = self.devices.row(lanes.side)
+        row = self.devices.row(lanes.side, lanes.cell) % self.devices.sides
         there = self.contact.other_side(lanes)
         ratio = every[row, np.arange(row.size)]
         seg, k = self.segments, np.minimum(lanes.segment, len(self.segments) - 1)
@@ -148,10 +150,11 @@ class Bounces:
         ratio, lane = self.uplift_ratios(lanes), np.arange(lanes.cell.size)
         for i, sense in enumerate((1.0,) if body.one_sided else (1.0, -1.0)):
             side = sense * lanes.side
-            row, edge = devices.row(side), body.on(side, lanes.cell)
-            unit = ratio[row, lane]  # y of this side over the y of the free body
-            branch = lanes.branch[row, :, lane].T
-            plastic = lanes.plastic[row, :, lane].T
+            row, edge = devices.row(side, lanes.cell), body.on(side, lanes.cell)
+            on_side = row % devices.sides
+            unit = ratio[on_side, lane]  # y of this side over the y of the free body
+            branch = lanes.branch[on_side, :, lane].T
+            plastic = lanes.plastic[on_side, :, lane].T
             # Lemma 13: the largest -u'' at the ground (B), with what the devices add up
             # to the highest arc, the largest speed (V), and the weight.
             top = unit * bounds.height

@@ -17,9 +17,9 @@ on both sides and breaks on both.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import NamedTuple, Self
+from typing import Any, ClassVar, NamedTuple, Self
 
 import numpy as np
 
@@ -51,9 +51,23 @@ class Branch(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Devices:
-    """The restraints of a body on its sides. Arrays are (sides, devices) unless their
-    comment names another shape; the right side comes first.
+    """The restraints of a body on its sides, or of several bodies. A row is a side of a
+    body: the right side comes first, and the sides of a body follow each other. Arrays
+    are (rows, devices) unless their comment names another shape.
     """
+
+    # fields that may differ from cell to cell in one march
+    cellwise: ClassVar[tuple[str, ...]] = (
+        "stiffness",
+        "prestress",
+        "force",
+        "ultimate",
+        "height",
+        "behind",
+        "unit",
+        "moment",
+        "weight",
+    )
 
     stiffness: Array  # growth of the force with the elongation [N/m]
     prestress: Array  # P0, the force at elongation 0 [N]
@@ -61,14 +75,18 @@ class Devices:
     ultimate: Array  # u_ult, elongation at which the device breaks [m]
     height: Array  # h, of a tendon b [m]
     behind: Array  # x, of a tendon 0 [m]
-    unit: Array  # rotation of y = 1 [rad], (sides, 1)
-    moment: Array  # m g R times the unit [N m], (sides, 1)
+    unit: Array  # rotation of y = 1 [rad], (rows, 1)
+    moment: Array  # m g R times the unit [N m], (rows, 1)
     tendon: Array  # True for the tendon, (devices,)
     names: tuple[str, ...]  # name of each device, (devices,)
     linear: bool  # True for the linear equation
     # gives the ground forces of the free body, None if they are not known
     body: Body | None
-    weight: float  # m g [N], infinite if the ground forces are not known
+    # m g [N], infinite if the ground forces are not known, float or (rows,)
+    weight: Any
+    sides: int  # number of sides of a body
+    # index of the body of each cell, (cells,); None for one body
+    which: Array | None = None
 
     @classmethod
     def of(
@@ -115,26 +133,45 @@ class Devices:
             linear=linear,
             body=body,
             weight=weight,
+            sides=len(rows),
         )
 
-    def row(self, side: Array) -> Array:
-        """Return the row of each side, +1 or -1, in the arrays of this class: 0 for the
-        right, 1 for the left; 0 if there is one row only.
+    def of_each_cell(self, devices: Sequence[Self], counts: Sequence[int]) -> Self:
+        """Return the devices of so many cells of each of these bodies, the first of
+        which is this one; they differ in `cellwise` fields only.
         """
-        return (
-            np.zeros(side.size, dtype=np.int64)
-            if len(self.stiffness) == 1
-            else (side < 0.0).astype(np.int64)
+        numbers: dict[str, Any] = {
+            name: np.concatenate([np.atleast_1d(getattr(one, name)) for one in devices])
+            for name in self.cellwise
+            if name != "weight"
+        }
+        return replace(
+            self,
+            **numbers,
+            body=None
+            if self.body is None
+            else Body.of_each_cell([one.body for one in devices if one.body], counts),
+            weight=np.repeat([one.weight for one in devices], self.sides),
+            which=np.repeat(np.arange(len(devices)), counts),
         )
+
+    def row(self, side: Array, cell: Array | None = None) -> Array:
+        """Return the row of each side, +1 or -1, in the arrays of this class; cell: the
+        cells of the lanes, if each has a body of its own.
+        """
+        on_side = (side < 0.0).astype(np.int64) * (self.sides - 1)
+        if self.which is None or cell is None:
+            return on_side
+        return np.asarray(on_side + self.sides * self.which[cell])
 
     def lever_ends(self) -> Array:
-        """The y at which a tie has lost its lever, for the right and the left side: the
-        body counts as overturned from there on.
+        """The y at which a tie has lost its lever, (rows,): the body counts as
+        overturned from there on.
         """
         if self.linear:
-            return np.full(2, np.inf)
+            return np.full(len(self.unit), np.inf)
         turned = np.arctan2(self.height, -np.minimum(self.behind, 0.0)).min(axis=1)
-        return np.resize(turned / self.unit[:, 0], 2)
+        return np.asarray(turned / self.unit[:, 0])
 
     def on(self, numbers: Array, row: Array) -> Array:
         """The numbers of the devices on these sides, (devices, lanes); (devices, 1) if
@@ -256,16 +293,16 @@ class Devices:
         """The vertical force of a tendon on bodies at the ground, over
         m g, (lanes,).
         """
-        return (
-            _added(
-                np.where(
-                    self.tendon[:, None],
-                    self.force_at_ground(row, branch, plastic),
-                    0.0,
-                )
+        return _added(
+            np.where(
+                self.tendon[:, None],
+                self.force_at_ground(row, branch, plastic),
+                0.0,
             )
-            / self.weight
-        )
+        ) / self._weight_on(row)
+
+    def _weight_on(self, row: Array) -> Any:
+        return self.weight if self.which is None else self.weight[row]
 
     def largest_pull(
         self, row: Array, branch: Array, plastic: Array, y: Array
@@ -319,7 +356,7 @@ class Devices:
 
     def held_at_first(self) -> Array:
         """The drive at which the restrained body leaves the ground onto each side, over
-        that of the free body, before any yield, (sides, 1).
+        that of the free body, before any yield, (rows, 1).
         """
         rows = np.arange(len(self.stiffness))
         none = np.zeros((len(self.names), len(self.stiffness)))
@@ -330,7 +367,9 @@ class Devices:
         force = np.where(
             self.tendon[:, None], now.fixed + now.rate * self.elongation(row, y), 0.0
         )
-        return _added(force) * np.cos(0.5 * self.unit[row, 0] * y) / self.weight
+        return (
+            _added(force) * np.cos(0.5 * self.unit[row, 0] * y) / self._weight_on(row)
+        )
 
     def tendon_bounds(
         self, row: Array, now: Branch, turned: Array
@@ -344,7 +383,8 @@ class Devices:
         largest, steepest = (
             _added(np.where(of_tendon, x, 0.0)) for x in (force, stiffness)
         )
-        return largest / self.weight, steepest / self.weight
+        weight = self._weight_on(row)
+        return largest / weight, steepest / weight
 
     def pull_on(self, row: Array, now: Branch) -> Pull:
         """The pull of the devices on lanes on these branches."""

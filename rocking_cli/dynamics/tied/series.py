@@ -66,6 +66,7 @@ class Law:
         row: Array,
         now: Branch,
         side: Array,
+        cell: Array,
         y: Array,
         a: Array,
         weight: Array | float = 1.0,
@@ -73,7 +74,7 @@ class Law:
         """y'' under the outward drive a and the weight over m g, without damping,
         (lanes,).
         """
-        free = self.equation.on(side).force(y, a, weight)
+        free = self.equation.on(side, cell).force(y, a, weight)
         return free - self.devices.pull_on(row, now).at(y)
 
     def force_now(
@@ -83,7 +84,8 @@ class Law:
         side, k, u = lanes.side, lanes.segment, lanes.phase
         s = segments.s_start[k] + drive_change(segments, k, u)
         weight = segments.weight(side, lanes.amplitude, k, u)
-        return self.force(row, now, side, lanes.y, -side * lanes.amplitude * s, weight)
+        drive = -side * lanes.amplitude * s
+        return self.force(row, now, side, lanes.cell, lanes.y, drive, weight)
 
     def flow(
         self, segments: Segments, lanes: Lanes, row: Array, now: Branch, exact: Array
@@ -91,7 +93,8 @@ class Law:
         """The series of lanes from their present state; exact: True where y'' is
         exactly 0 now.
         """
-        held = HeldBody.of(self.equation.on(lanes.side), self.devices, row, now)
+        equation = self.equation.on(lanes.side, lanes.cell)
+        held = HeldBody.of(equation, self.devices, row, now)
         lanes = Lanes.joined([lanes])
         force = self.force_now(segments, lanes, row, now)
         lanes.force = np.where(exact, 0.0, force)
@@ -102,7 +105,7 @@ class Law:
             )
         rate = 1.0 + np.sqrt(stiffness)
         terms, fastest = taylor.series_flow(held, segments, lanes, self.order, rate)
-        return taylor.series(terms, fastest, self.tolerance, self.equation.damping)
+        return taylor.series(terms, fastest, self.tolerance, equation.damping)
 
     def weight(self, segments: Segments, lanes: Lanes) -> TaylorSeries | None:
         """The series of the weight over m g of lanes from now on; None where it is

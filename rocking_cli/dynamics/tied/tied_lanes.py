@@ -65,14 +65,16 @@ class TiedLanes(Lanes):
 class OnBranch(NamedTuple):
     """The present branch of the restraints of lanes. Every array is (lanes,)."""
 
-    row: Array  # row of the devices of the side of each lane
+    row: Array  # row of its body and side in the arrays of `Devices`
     now: Branch  # the branch of each device
     low: Array  # y at its lower end, in the unit of the side; the ground is 0
     high: Array  # y at its upper end, or at the limit of y
+    limit: Array  # y at which the body has fallen
 
     def take(self, at: Array) -> OnBranch:
         """Return these lanes only."""
-        return OnBranch(self.row[at], self.now.take(at), self.low[at], self.high[at])
+        row, now, *ends = self
+        return OnBranch(row[at], now.take(at), *(x[at] for x in ends))
 
 
 class CutStep(NamedTuple):

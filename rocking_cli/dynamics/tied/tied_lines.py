@@ -61,20 +61,20 @@ class TiedLines(WholeLines):
         pull = self.devices.linear_terms(branch.row, branch.now)
 
         def law(some: OnLines) -> HeldBody:
-            return self._held(some.side, branch.take(some.lane))
+            return self._held(some, branch.take(some.lane))
 
         on_lines = self.on_lines(lanes, at, limits, tuple(x[at] for x in pull))
         behind = self.over(on_lines, law)
         at = behind.lane
         gone = lanes.take(at)
-        held, ends = self._held(gone.side, branch.take(at)), (behind.y, behind.v)
+        held, ends = self._held(gone, branch.take(at)), (behind.y, behind.v)
         carry(gone, held, ends, behind.time, self.least * behind.time)
         lanes.moments[:, at] = gone.moments
         self.put(lanes, behind)
         lanes.exact[at] = False
 
-    def _held(self, side: Array, branch: OnBranch) -> HeldBody:
-        equation = self.batch.equation.on(side)
+    def _held(self, lanes: OnLines | TiedLanes, branch: OnBranch) -> HeldBody:
+        equation = self.batch.equation.on(lanes.side, lanes.cell)
         return HeldBody.of(equation, self.devices, branch.row, branch.now)
 
     def _limits(self, lanes: TiedLanes, branch: OnBranch, top: Array) -> TiedLimits:
@@ -86,8 +86,8 @@ class TiedLines(WholeLines):
             unit, alpha = edge.unit * ones, edge.alpha * ones
             kappa = np.where(lanes.lost, 0.0, edge.kappa * unit)
         # A broken restraint is not stretched any more.
-        farthest = lanes.farthest[row, :, np.arange(row.size)].T
-        broken = lanes.branch[row, :, np.arange(row.size)].T == BROKEN
+        here = row % self.devices.sides, slice(None), np.arange(row.size)
+        farthest, broken = lanes.farthest[here].T, lanes.branch[here].T == BROKEN
         stretched = np.where(broken, np.inf, self.devices.level(row, farthest))
         known = np.minimum(lanes.peak, stretched.min(axis=0))
         return TiedLimits(

@@ -65,7 +65,7 @@ _TOUCH, _ROUNDING = 1e-2, 1e-13
 
 
 class TiedMarch:
-    """The march of a batch of cells of one body with these devices; speed: finds the
+    """The march of a batch of cells of bodies with these devices; speed: finds the
     largest speeds.
     """
 
@@ -79,13 +79,9 @@ class TiedMarch:
         again = self.equation.damped and self.devices.body is not None
         self.again = 2 if again else 0
         self.every = (1 if self.one_sided else 3) << self.again
-        sides = np.array([1.0, -1.0])
         of_lines = self.segments.straight and self.shaken >= LEAST_LINES
         self.law = Law(self.equation, self.devices, of_lines)
-        # y at which a body has fallen, by the row of its side
-        self.limit = np.minimum(
-            np.broadcast_to(self.equation.on(sides).limit, 2), self.devices.lever_ends()
-        )
+        self.lever_ends = self.devices.lever_ends()
         self.watch = (
             None
             if self.devices.body is None
@@ -99,7 +95,8 @@ class TiedMarch:
             self.lines = TiedLines(batch, self.devices)
         self.touch = max(_ROUNDING, _TOUCH * self.equation.tolerance)
         self.most = batch.most_steps  # steps beyond which a lane fails
-        self.found = Found.empty((*self.devices.stiffness.shape, batch.size))
+        self.held = self.devices.sides, len(self.devices.names)
+        self.found = Found.empty((*self.held, batch.size))
 
     def run(self) -> Found:
         """March all cells from rest to their ends; returns their results."""
@@ -115,17 +112,17 @@ class TiedMarch:
                 branch = self._branch(lanes)
                 if self.lines is not None:
                     # `_certain` is asked on the last branch only.
-                    last = branch.high >= self.limit[branch.row]
+                    last = branch.high >= branch.limit
                     self.lines.along(lanes, branch, np.where(last, _DOUBTFUL, np.inf))
                 lanes = self._round(lanes, branch)
         return self.found
 
     def _of(self, numbers: Array, row: Array) -> Array:
-        return numbers[row, :, np.arange(row.size)].T
+        return numbers[row % self.devices.sides, :, np.arange(row.size)].T
 
     def _begin(self, cell: Array) -> TiedLanes:
         """Return new lanes for these cells, at their first uplift."""
-        shape = (*self.devices.stiffness.shape, cell.size)
+        shape = (*self.held, cell.size)
         amplitude, omega, eta = (
             np.broadcast_to(x, self.cells.omega.shape)[0, cell].copy()
             for x in self.cells
@@ -180,21 +177,25 @@ class TiedMarch:
         if self.free_fall is None:
             return outcome
         falls = self.free_fall.has_begun(lanes)
-        over = self.equation.on(lanes.side).rotation(lanes.y) >= FALLEN
+        over = self.equation.on(lanes.side, lanes.cell).rotation(lanes.y) >= FALLEN
         fallen = np.where(over, _overturned(lanes), Outcome.LOST_CONTACT)
         return np.where(falls & (outcome == 0), fallen, outcome)
 
     def _branch(self, lanes: TiedLanes) -> OnBranch:
         """The branch of the devices of each lane."""
-        row = self.devices.row(lanes.side)
+        row = self.devices.row(lanes.side, lanes.cell)
         now = self.devices.branch(
             row, self._of(lanes.branch, row), self._of(lanes.plastic, row)
+        )
+        limit = np.minimum(
+            self.equation.on(lanes.side, lanes.cell).limit, self.lever_ends[row]
         )
         return OnBranch(
             row,
             now,
             now.low.max(axis=0, initial=0.0),
-            np.minimum(now.high.min(axis=0, initial=np.inf), self.limit[row]),
+            np.minimum(now.high.min(axis=0, initial=np.inf), limit),
+            limit,
         )
 
     def _round(self, lanes: TiedLanes, branch: OnBranch) -> TiedLanes:
@@ -202,7 +203,7 @@ class TiedMarch:
         returns the lanes that go on.
         """
         lanes.steps += 1
-        row, now, low, high = branch
+        row, now, low, high, _ = branch
         seg, k = self.segments, lanes.segment
         left = whole = seg.left_of_piece(k, lanes.phase) / lanes.omega
         if self.free_fall is not None:
@@ -219,7 +220,8 @@ class TiedMarch:
         self._watch_contact(lanes, row, now, step, ended.reach)
         if self.speed is not None:
             self._show(self.speed, lanes, step, ended)
-        held = HeldBody.of(self.equation.on(lanes.side), self.devices, row, now)
+        equation = self.equation.on(lanes.side, lanes.cell)
+        held = HeldBody.of(equation, self.devices, row, now)
         carry_step(lanes, held, step, ended, touch)
 
         # The state and the position at the end; at the end of the closed form the next
@@ -235,18 +237,18 @@ class TiedMarch:
         lanes.segment[still], lanes.phase[still] = k[still] + 1, 0.0
         lanes.rests |= still
         lanes.exact[:] = False
-        bottom = (ended.peaked | (ended.v == 0.0)) & ~ended.peaked & ~at_end
+        bottom = (ended.v == 0.0) & ~ended.peaked & ~at_end
         ends = StepEnds(
             ended.up, ended.down, ended.peaked, bottom, ended.top, k >= self.shaken
         )
-        return self._events(lanes, row, now, high, ends)
+        return self._events(lanes, branch, ends)
 
     def _show(
         self, speed: Observer, lanes: TiedLanes, step: Step, ended: CutStep
     ) -> None:
         """Show the steps to the observer of the largest speed."""
         arc, reach, y, v = step.arc, ended.reach, ended.y, ended.v
-        force = arc.at(reach).b + 2.0 * self.equation.damping * v
+        force = arc.at(reach).b + 2.0 * arc.damping * v
         every = np.arange(reach.size)
         speed.arcs(Arcs(lanes, arc, reach, y, v, force, every, step.fastest))
 
@@ -261,14 +263,14 @@ class TiedMarch:
         lost, _ = self.watch.losses(steps, lanes.lost)
         lanes.lost[lost] = True
 
-    def _events(
-        self, lanes: TiedLanes, row: Array, now: Branch, high: Array, ends: StepEnds
-    ) -> TiedLanes:
+    def _events(self, lanes: TiedLanes, branch: OnBranch, ends: StepEnds) -> TiedLanes:
         """Apply the events at step ends: a peak on the way, an end of a branch, an
         impact, a turn. Returns the lanes that go on.
         """
         # A body that passes the limit of y has fallen; one that comes to 0 strikes.
-        fallen, hit = ends.up & (high >= self.limit[row]), ends.down & (lanes.y <= 0.0)
+        row, now, _, high, limit = branch
+        on_side = row % self.devices.sides
+        fallen, hit = ends.up & (high >= limit), ends.down & (lanes.y <= 0.0)
         self.transitions.stretch(
             lanes, np.flatnonzero(ends.peaked | ends.up), row, ends.top
         )
@@ -276,7 +278,7 @@ class TiedMarch:
         if peaked.size:
             lanes.peak[peaked] = np.maximum(lanes.peak[peaked], ends.top[peaked])
             still = peaked[ends.still[peaked]]
-            here = 1 << row[still]
+            here = 1 << on_side[still]
             lanes.turned[still] |= here | (lanes.turned[still] & here) << 2
             yields = peaked[now.yields[peaked]]
             keep_yield_error(lanes, yields)
@@ -300,8 +302,8 @@ class TiedMarch:
                     )
         # A body that turned inwards on still ground and turns outwards again above the
         # ground comes to rest there: its restraints hold it.
-        leans = ends.bottom & ((lanes.turned >> (row + self.again)) & 1 > 0)
-        falls = fallen | self._certain(lanes, row, now, high)
+        leans = ends.bottom & ((lanes.turned >> (on_side + self.again)) & 1 > 0)
+        falls = fallen | self._certain(lanes, branch)
         failed = (lanes.steps > self.most) | ~np.isfinite(lanes.y + lanes.v)
         impacts = np.flatnonzero(hit)
         ended = np.zeros(lanes.cell.size, dtype=bool)
@@ -319,15 +321,15 @@ class TiedMarch:
         lanes = self._finish(lanes, np.flatnonzero(outcome), outcome)
         return self._from_rest(lanes, np.flatnonzero(lanes.rests))
 
-    def _certain(self, lanes: TiedLanes, row: Array, now: Branch, high: Array) -> Array:
+    def _certain(self, lanes: TiedLanes, branch: OnBranch) -> Array:
         """True for lanes that no later drive can turn back."""
+        row, now, _, high, limit = branch
         falls = np.zeros(lanes.cell.size, dtype=bool)
-        at = np.flatnonzero(
-            (lanes.y > _DOUBTFUL) & (lanes.v > 0.0) & (high >= self.limit[row])
-        )
+        at = np.flatnonzero((lanes.y > _DOUBTFUL) & (lanes.v > 0.0) & (high >= limit))
         if not at.size:
             return falls
-        side, k = lanes.side[at], np.minimum(lanes.segment[at], len(self.segments) - 1)
+        side, cell, k = lanes.side[at], lanes.cell[at], lanes.segment[at]
+        k = np.minimum(k, len(self.segments) - 1)
         inward = self.segments.strongest_inward(side, lanes.amplitude[at], k)
         # Lemma 6. Linear: the devices are too soft for y'' to fall as y grows. It is
         # positive under the strongest inward drive and the least weight. Otherwise the
@@ -339,11 +341,11 @@ class TiedMarch:
                 weight = weighed.least_weight(side, lanes.amplitude[at], k)
             soft = self.devices.linear_terms(row[at], there)[1] <= weight
             y, drive = lanes.y[at], -inward * weight
-            force = self.law.force(row[at], there, side, y, drive, weight)
+            force = self.law.force(row[at], there, side, cell, y, drive, weight)
             falls[at] = soft & (force > 0.0)
         else:
             free = ~(now.fixed[:, at].any(axis=0) | now.rate[:, at].any(axis=0))
-            falls[at] = free & self.equation.on(side).certainly_overturns(
+            falls[at] = free & self.equation.on(side, cell).certainly_overturns(
                 lanes.y[at], lanes.v[at], inward, weighed is None
             )
         return falls
@@ -396,9 +398,9 @@ class TiedMarch:
 
     def _acceleration(self, lanes: TiedLanes) -> Array:
         """y'' of lanes at their present position."""
-        row, now, _, _ = self._branch(lanes)
+        row, now, *_ = self._branch(lanes)
         force = self.law.force_now(self.segments, lanes, row, now)
-        return force - 2.0 * self.equation.damping * lanes.v
+        return force - 2.0 * self.equation.damping_of(lanes.cell) * lanes.v
 
     def _finish(self, lanes: TiedLanes, at: Array, outcome: Array) -> TiedLanes:
         """Store the results of the lanes `at`; outcome: of all lanes. Returns the other
@@ -406,7 +408,8 @@ class TiedMarch:
         """
         if not at.size:
             return lanes
-        cell, found, row = lanes.cell[at], self.found, self.devices.row(lanes.side)[at]
+        cell, found = lanes.cell[at], self.found
+        row = self.devices.row(lanes.side[at], cell)
         found.outcome[cell] = outcome[at]
         found.impacts[cell] = lanes.impacts[at]
         found.steps[cell] = lanes.steps[at]
@@ -414,7 +417,7 @@ class TiedMarch:
         known = np.isin(
             outcome[at], (Outcome.NO_UPLIFT, Outcome.ROCKED, Outcome.LEANING)
         )
-        ratio = self.equation.on(lanes.side[at]).rotation(lanes.peak[at])
+        ratio = self.equation.on(lanes.side[at], cell).rotation(lanes.peak[at])
         lost = lanes.lost[at]
         if self.free_fall is not None:
             lost = lost | self.free_fall.occurs[cell]

@@ -17,9 +17,13 @@ class Transitions:
     def __init__(self, devices: Devices) -> None:
         self.devices = devices
 
+    def _place(self, row: Array, at: Array) -> tuple[Array, slice, Array]:
+        """The place of the devices of these rows in the arrays of the lanes `at`."""
+        return row % self.devices.sides, slice(None), at
+
     def release(self, lanes: TiedLanes) -> None:
         """Stretch the devices of lanes that are released at their y on the right."""
-        row = self.devices.row(lanes.side)
+        row = self.devices.row(lanes.side, lanes.cell)
         e = self.devices.elongation(row, lanes.y)
         lanes.plastic[0], lanes.farthest[0] = self.devices.stretched(row, e), e
         pulls, _ = self.devices.thresholds(row, lanes.plastic[0])
@@ -31,21 +35,19 @@ class Transitions:
         """Set the devices of lanes that leave the ground to the branches in which they
         begin.
         """
-        row = self.devices.row(lanes.side)[at]
-        branch, plastic = lanes.branch[row, :, at].T, lanes.plastic[row, :, at].T
-        lanes.branch[row, :, at] = self.devices.at_ground(row, branch, plastic).T
+        row = self.devices.row(lanes.side[at], lanes.cell[at])
+        here = self._place(row, at)
+        branch, plastic = lanes.branch[here].T, lanes.plastic[here].T
+        lanes.branch[here] = self.devices.at_ground(row, branch, plastic).T
 
     def stretch(self, lanes: TiedLanes, at: Array, row: Array, top: Array) -> None:
         """Note the elongation of unbroken devices at y = `top` where it is their
         largest so far.
         """
         e, row = self.devices.elongation(row[at], top[at]), row[at]
-        whole = lanes.branch[row, :, at].T != BROKEN
-        lanes.farthest[row, :, at] = np.where(
-            whole,
-            np.maximum(lanes.farthest[row, :, at].T, e),
-            lanes.farthest[row, :, at].T,
-        ).T
+        here = self._place(row, at)
+        whole, before = lanes.branch[here].T != BROKEN, lanes.farthest[here].T
+        lanes.farthest[here] = np.where(whole, np.maximum(before, e), before).T
 
     def pass_end(
         self, lanes: TiedLanes, at: Array, row: Array, limits: Array, sign: float
@@ -56,7 +58,8 @@ class Transitions:
         """
         row = row[at]
         reached = sign * (lanes.y[at] - limits[:, at]) >= 0.0
-        branch, plastic = (x[row, :, at].T for x in (lanes.branch, lanes.plastic))
+        here = self._place(row, at)
+        branch, plastic = lanes.branch[here].T, lanes.plastic[here].T
         ultimate = self.devices.on(self.devices.ultimate, row)
 
         # Outwards a slack device engages, an elastic one yields or breaks, and a
@@ -71,7 +74,7 @@ class Transitions:
         following = np.where(reached, following, branch)
         breaks = reached & (following == BROKEN)
         kept = np.where(breaks, self.devices.stretched(row, ultimate), plastic)
-        lanes.branch[row, :, at], lanes.plastic[row, :, at] = following.T, kept.T
+        lanes.branch[here], lanes.plastic[here] = following.T, kept.T
 
         # A tendon breaks on both sides. Without it Fz is not what it was on the way
         # back from a peak: the peaks count anew.
@@ -87,16 +90,18 @@ class Transitions:
         if not at.size:
             return
         row = row[at]
-        branch = lanes.branch[row, :, at].T
+        here = self._place(row, at)
+        branch = lanes.branch[here].T
         self.keep_yield(lanes, at, row)
-        lanes.branch[row, :, at] = np.where(branch == YIELDING, ELASTIC, branch).T
+        lanes.branch[here] = np.where(branch == YIELDING, ELASTIC, branch).T
 
     def keep_yield(self, lanes: TiedLanes, at: Array, row: Array) -> None:
         """Store the permanent elongation of the yielding devices of the lanes `at`;
         row: of these lanes.
         """
-        branch, plastic = (x[row, :, at].T for x in (lanes.branch, lanes.plastic))
+        here = self._place(row, at)
+        branch, plastic = lanes.branch[here].T, lanes.plastic[here].T
         left = self.devices.stretched(row, self.devices.elongation(row, lanes.y[at]))
-        lanes.plastic[row, :, at] = np.where(
+        lanes.plastic[here] = np.where(
             branch == YIELDING, np.maximum(left, plastic), plastic
         ).T
