@@ -61,8 +61,8 @@ a step by no more than the sum of what each term does. There is no turn if y' ke
 sign so, and one at most if y'' does; the coefficients are computed for the others.
 Test
 `march/test_roots.py::test_a_part_with_one_turn_at_most_has_the_turns_that_are_said`,
-`march/test_advance.py::test_a_step_turns_once_at_most_and_every_peak_is_found`,
-`march/test_advance.py::test_grazing_is_decided_on_either_side`,
+`march/test_one_turn.py::test_a_step_turns_once_at_most_and_every_peak_is_found`,
+`march/test_one_turn.py::test_grazing_is_decided_on_either_side`,
 `one/test_march.py::test_lemma_1_a_step_is_cut_where_it_may_turn_twice`,
 `one/test_march.py::test_lemma_1_holds_for_random_polynomials`.
 

@@ -16,7 +16,7 @@ from support.record_layouts import wave
 from support.synthetic_records import recorded
 
 from rocking_cli import Method, Outcome, load_records, parse_grid, response, spectrum
-from rocking_cli.dynamics.march import advance
+from rocking_cli.dynamics.march import one_turn
 from rocking_cli.dynamics.method import governing_method
 from rocking_cli.motions import pulse, sine
 from rocking_cli.reports.summary import summary_lines
@@ -185,7 +185,7 @@ def test_a_sweep_tells_a_fault_of_its_march(monkeypatch):
     """A peak gets the height at the start of its step."""
     right = a_sweep()
     assert right.summary.beyond_tolerance == right.summary.misjudged == 0
-    true_root = advance.only_root
+    true_root = one_turn.only_root
 
     def at_the_start(terms, guess, *limits, speed):
         found = true_root(terms, guess, *limits, speed=speed)
@@ -193,7 +193,7 @@ def test_a_sweep_tells_a_fault_of_its_march(monkeypatch):
             found[1] = terms[0]
         return found
 
-    monkeypatch.setattr(advance, "only_root", at_the_start)
+    monkeypatch.setattr(one_turn, "only_root", at_the_start)
     wrong = a_sweep()
     apart = np.abs(wrong.theta_ratio - right.theta_ratio)
     assert (apart > 1e-7).sum() > 10

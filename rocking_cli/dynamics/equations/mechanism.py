@@ -7,7 +7,7 @@ outward drive over lambda g,
     y'' = -F(y)/F0 + a G(y)/G0 - 2 zeta y'
 
 F and G are tabulated once (`patches`), and their series are composed with that of y.
-The sign tests of `march.advance` need F/G = lambda(phi) to fall from rest on (this is
+The sign tests of `march.one_turn` need F/G = lambda(phi) to fall from rest on (this is
 checked). Where F/G no longer falls, or is below -50 times its value at rest, the
 structure has collapsed. A linkage may lock before: its table ends there, and a body
 that comes to its end is lost if no drive to come is stronger than the weight.

@@ -30,7 +30,7 @@ from ..equations.equation import Equation
 from ..lanes import Lanes
 from ..observers.observer import Arcs, Observer
 from ..outcome import FALLEN, Outcome, Work
-from .advance import StepResult, advance
+from .one_turn import StepResult, advance
 from .proofs import FREE_MOTION, LaneProof, Proved, free_motion, proofs_of
 
 if TYPE_CHECKING:

@@ -12,7 +12,7 @@ from ...motions.segments import Segments
 from ..equations.equation import Instant
 from ..equations.linear_flow import LONGEST, LinearFlow
 from ..lanes import Lanes
-from .advance import StepResult
+from .one_turn import StepResult
 
 # a step of Halley's method this short, over every scale of the arc, leaves an error
 # below rounding after the last one: of a turn, where y is stationary, and of an impact

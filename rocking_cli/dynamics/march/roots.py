@@ -1,4 +1,4 @@
-"""Roots in steps that hold exactly one, as `advance` proves: impact times and turning
+"""Roots in steps that hold exactly one, as `one_turn` proves: impact times and turning
 points. Each lane iterates by itself; no digit depends on its neighbours.
 """
 

@@ -27,7 +27,7 @@ from ..equations.recurrence import Series, product_term, product_terms
 from ..equations.rigid_body import RigidBodyEquation
 from ..equations.taylor import TaylorSeries
 from ..lanes import Lanes
-from ..march.advance import error_of, one_turn_step
+from ..march.one_turn import error_of, one_turn_step
 from ..march.roots import fall_guess, only_root
 from .devices import Branch, Devices
 from .pulls import Pull

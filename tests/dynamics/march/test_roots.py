@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.polynomial import polynomial
 
-from rocking_cli.dynamics.march.advance import one_turn, turns_by_signs
+from rocking_cli.dynamics.march.one_turn import one_turn, turns_by_signs
 from rocking_cli.dynamics.march.roots import (
     bernstein_form,
     fall_guess,

@@ -12,7 +12,7 @@ from support.synthetic_records import RECORDS, motion_of_samples, weighed
 
 from rocking_cli import LinearEquation, RigidBodyEquation, pulse, sine
 from rocking_cli.dynamics.drive import drive_change
-from rocking_cli.dynamics.march.advance import advance, one_turn_step
+from rocking_cli.dynamics.march.one_turn import advance, one_turn_step
 from rocking_cli.motions import Motion, Piece
 
 EQUATIONS = [
