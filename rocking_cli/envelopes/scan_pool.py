@@ -12,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..arrays import Array
+from ..dynamics.contacts.contact import rebound
 from ..dynamics.equations.recurrence import motion_terms
 from ..dynamics.method import joined
 from ..dynamics.one.lane import Lane, LaneEdge
@@ -327,7 +328,7 @@ class ScanPool:
         row = self.row[at]
         self.bounced[self.number[at]] = True
         x, v, w, dw = self._impact(terms, struck, self.drive[at])
-        v = -self.speed_ratio[row] * np.minimum(v, 0.0)
+        v = rebound(self.speed_ratio[row], np.minimum(v, 0.0))
 
         # On to the other side.
         row, unit = self.others[row], 1.0 / self.pace[at]

@@ -90,10 +90,17 @@ class Contact(ABC):
             np.broadcast_to(eta, omega.shape)[None],
         )
 
-    @abstractmethod
     def impact(self, cells: Cells, lanes: Lanes, v: Array, b: Array) -> None:
         """Apply an impact with velocity v <= 0 and force b under the weight m g: set
         side, velocity, force of the lanes (Eq. 2.6).
+        """
+        lanes.v = rebound(lanes.eta, v)
+        self.put_on_next_edge(cells, lanes, b)
+
+    @abstractmethod
+    def put_on_next_edge(self, cells: Cells, lanes: Lanes, b: Array) -> None:
+        """Put lanes on the edge on which their impact leaves them: its side, and the
+        force there, from the force b before the impact.
         """
 
     @abstractmethod
@@ -187,6 +194,14 @@ class Contact(ABC):
         return FreeMotion(overturns, after, np.where(overturns | after, np.nan, peak))
 
 
+def rebound(eta: Any, v: Any) -> Any:
+    """Return the velocity after an impact with velocity v <= 0 (Eq. 2.6), each in the
+    unit of its side; eta: the restitution that belongs to these units. Floats or arrays
+    of one shape.
+    """
+    return -eta * v
+
+
 def first_uplift(
     segments: Segments, k: Array, u: Array, right: Array, left: Array
 ) -> Uplift:
@@ -271,10 +286,9 @@ class Symmetric(Contact):
         if not _within(self.eta, lambda eta: (eta >= 0.0) & (eta <= 1.0)):
             raise ArgumentError("eta must be within [0, 1]")
 
-    def impact(self, cells: Cells, lanes: Lanes, v: Array, b: Array) -> None:
+    def put_on_next_edge(self, cells: Cells, lanes: Lanes, b: Array) -> None:
         """Reverse the side, and with it the sign of the drive."""
         lanes.side = -lanes.side
-        lanes.v = -lanes.eta * v
         lanes.force = -2.0 - b  # b = -1 + a at y = 0, and a changes its sign
 
     def other_side(self, lanes: Lanes) -> OtherSide:
@@ -297,9 +311,8 @@ class OneSided(Contact):
         if not _within(self.eta, lambda eta: (eta > -1.0) & (eta <= 0.0)):
             raise ArgumentError("eta of a one-sided body must be within (-1, 0]")
 
-    def impact(self, cells: Cells, lanes: Lanes, v: Array, b: Array) -> None:
+    def put_on_next_edge(self, cells: Cells, lanes: Lanes, b: Array) -> None:
         """Return the body on the same side; the force stays the same."""
-        lanes.v = -lanes.eta * v
         lanes.force = b.copy()
 
     def other_side(self, lanes: Lanes) -> None:
@@ -409,9 +422,8 @@ class Unequal(Contact):
     def speed(self, side: Array, cell: Array, rate: Array) -> Array:
         return rate * self._of(self.pace, side, cell)
 
-    def impact(self, cells: Cells, lanes: Lanes, v: Array, b: Array) -> None:
+    def put_on_next_edge(self, cells: Cells, lanes: Lanes, b: Array) -> None:
         """Put lanes on the other edge, with its drive, time and unit."""
-        lanes.v = -lanes.eta * v
         # b = -1 + a at y = 0; a changes its sign, and its unit becomes the uplift of
         # the other edge
         lanes.force = -1.0 - (1.0 + b) * (

@@ -14,6 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..condition import lifted_at_once, through_impact
+from ..contacts.contact import rebound
 from ..contacts.lasting_bounces import too_many_impacts
 from ..contacts.sequences import BELOW_ROUNDING
 from ..drive import place
@@ -291,7 +292,7 @@ class March(MarchState):
         force = self._at_ground(edge)
         # A one-sided body has one edge and comes back onto it.
         to = self.edges.get(-edge.side, edge)
-        self.y, self.v = 0.0, -edge.speed_ratio * v
+        self.y, self.v = 0.0, rebound(edge.speed_ratio, v)
         self._onto(to)
         self.force = self._at_ground(to)
         fall = -self.force
