@@ -34,8 +34,7 @@ class ImpulseBound(NamedTuple):
         bounds = []
         for side in (1.0, -1.0)[: len(cells.omega)]:
             edge = equation.on(np.full(cell.size, side), cell)
-            half = edge.fall(np.zeros(cell.size), np.ones(cell.size))[1]
-            bounds.append((np.sqrt(edge.barrier / half), edge.largest_m))
+            bounds.append((np.sqrt(2.0 * edge.barrier), edge.largest_m))
         speed, push = (
             np.array([np.broadcast_to(x, cell.size) for x in found])
             for found in zip(*bounds, strict=True)

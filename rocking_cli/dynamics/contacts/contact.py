@@ -177,11 +177,11 @@ class Contact(ABC):
             if other is None
             else (equation.on(-lanes.side, lanes.cell), other.back, other.rotation)
         )
-        # The energy at the ground, before the first impact and after the next two. An
-        # impact multiplies the speed by eta, and so the energy by eta^2.
+        # The energy at the ground, before the first impact and after the next two.
         overturns, energy = here.fall(y, v)
-        across = lanes.eta**2 * energy
-        again = back**2 * across
+        first = rebound(lanes.eta, -np.sqrt(2.0 * np.maximum(energy, 0.0)))
+        second = rebound(back, -first)
+        across, again = 0.5 * first * first, 0.5 * second * second
         after = ~overturns & ((across > there.barrier) | (again > here.barrier))
         # A body that moves inwards has the peak of its present arc behind it.
         outward = np.where(v > 0.0, here.peak(energy), y)

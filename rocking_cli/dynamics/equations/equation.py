@@ -177,7 +177,7 @@ class Equation(ABC):
     @abstractmethod
     def fall(self, y: Array, v: Array) -> tuple[Array, Array]:
         """(True if an undamped body overturns on this side on still ground; its energy,
-        proportional to v^2 at the ground).
+        v^2/2 at the ground).
         """
 
     @abstractmethod

@@ -54,7 +54,7 @@ class LinearEquation(Equation):
     # rounding
     tolerance = 1e-13
     largest_m = 1.0
-    barrier = 1.0
+    barrier = 0.5
     cellwise = ("damping",)
 
     def __init__(self, damping: float = 0.0) -> None:
@@ -120,16 +120,17 @@ class LinearEquation(Equation):
         return 1.0
 
     def fall(self, y: Array, v: Array) -> tuple[Array, Array]:
-        """True if the unstable mode y - 1 + v is positive; the energy is v^2 at the
-        ground, 1 - D0* of Eq. 2.7, without cancellation.
+        """True if the unstable mode y - 1 + v is positive; twice the energy is 1 - D0*
+        of Eq. 2.7, without cancellation.
         """
-        return y - 1.0 + v > 0.0, v * v + y * (2.0 - y)
+        return y - 1.0 + v > 0.0, 0.5 * (v * v + y * (2.0 - y))
 
     def peak(self, energy: Array) -> Array:
         """Largest y, 1 - sqrt(1 - v^2) (Eq. 2.7), computed without cancellation where v
         is small; at most 1.
         """
-        return energy / (1.0 + np.sqrt(np.maximum(0.0, 1.0 - energy)))
+        square = 2.0 * energy
+        return square / (1.0 + np.sqrt(np.maximum(0.0, 1.0 - square)))
 
     def damped_peak(self, y: Array, v: Array) -> Array:
         """The y at which y' = 0, from the two modes of y - 1; NaN where

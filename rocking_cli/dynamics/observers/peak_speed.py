@@ -83,9 +83,7 @@ class PeakSpeed(Observer):
     def free(self, lanes: Lanes) -> None:
         zero = np.zeros(lanes.cell.size)
         there = self.equation.on(lanes.side, lanes.cell)
-        at_ground = np.sqrt(
-            there.fall(lanes.y, lanes.v)[1] / there.fall(zero, zero + 1.0)[1]
-        )
+        at_ground = np.sqrt(2.0 * there.fall(lanes.y, lanes.v)[1])
         self.speed.include(
             lanes.cell, self._speed(lanes.side, lanes.cell, zero, at_ground)
         )
