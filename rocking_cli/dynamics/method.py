@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from ..errors import ArgumentError, StructureError, UsageError, did_you_mean
-from ..structures.parameters import RockingParameters, Side
+from ..structures.parameters import RockingParameters
 from .body import Body
 from .contacts.contact import (
     Contact,
@@ -55,8 +55,10 @@ def _linear(structure: RockingParameters, tolerance: float) -> Equation:
 def _rigid_body(structure: RockingParameters, tolerance: float) -> Equation:
     from .equations.rigid_body import RigidBodyEquation
 
-    alphas: Any = tuple(side.alpha for side in reversed(structure.sides))
-    return RigidBodyEquation(alphas or structure.alpha, tolerance, structure.damping)
+    alphas: Any = tuple(edge.alpha for edge in structure.edges)
+    return RigidBodyEquation(
+        alphas if structure.sides else structure.alpha, tolerance, structure.damping
+    )
 
 
 def _mechanism(structure: RockingParameters, tolerance: float) -> Equation:
@@ -72,8 +74,7 @@ def _mechanism(structure: RockingParameters, tolerance: float) -> Equation:
 
 def _mechanisms(structure: RockingParameters) -> list["Mechanism"]:
     """The mechanisms of a structure, of the right side first."""
-    edges: list[Side | RockingParameters] = [*reversed(structure.sides)] or [structure]
-    return [edge.mechanism for edge in edges if edge.mechanism is not None]
+    return [edge.mechanism for edge in structure.edges if edge.mechanism is not None]
 
 
 EQUATIONS = (
@@ -266,9 +267,7 @@ class Method:
         Body or None
             None if the mass centre of the structure is not known
         """
-        edges: list[Side | RockingParameters] = [*reversed(structure.sides)] or [
-            structure
-        ]
+        edges = structure.edges
         kappa = tuple(
             e.arm * e.p**2 / structure.gravity for e in edges if e.arm is not None
         )

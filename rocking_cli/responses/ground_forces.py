@@ -163,7 +163,7 @@ def edges_of(structure: RockingParameters) -> dict[float, ForceEdge]:
             " distance from its mass centre to its edges"
         )
     edges = []
-    for side in (*reversed(structure.sides),) or (structure, structure):
+    for side in reversed(structure.left_and_right):
         if side.arm is None:
             raise UsageError(
                 f"{structure.name}: forces need arm, the distance of the mass centre,"

@@ -108,7 +108,7 @@ def _on_sharp_edges(
     structure: RockingParameters, inset: float
 ) -> tuple[float, RockingParameters] | None:
     """Return (inset [m], the body with its pivots moved back to its edges)."""
-    sides = structure.sides or (structure, structure)
+    sides = structure.left_and_right
     width = sum(math.sin(side.alpha) * (side.arm or 0.0) for side in sides)
     found = worn(structure, -inset / width) if width else None
     return None if found is None else (inset, found[1])

@@ -17,7 +17,7 @@ def joints_of(structure: RockingParameters) -> dict[float, JointStatics] | None:
     """Return the forces of each side; None of a structure without such joints."""
     if not isinstance(structure.mechanism, FourBar | Linkage):
         return None
-    g, (left, right) = structure.gravity, structure.sides or (structure, structure)
+    g, (left, right) = structure.gravity, structure.left_and_right
     edges, joints = {1.0: right, -1.0: left}, dict[float, JointForces]()
     linkage = None
     for side, edge in edges.items():

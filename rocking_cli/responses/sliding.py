@@ -411,7 +411,7 @@ def coupling_of(structure: RockingParameters, slides: bool) -> str:
     """
     if structure.friction is None or not covers_sliding(structure):
         return ""
-    uplift = max(side.uplift for side in structure.sides or (structure,))
+    uplift = max(side.uplift for side in structure.edges)
     if slides and structure.friction < uplift:
         return ONE_WAY
     near = structure.friction <= NEAR * uplift

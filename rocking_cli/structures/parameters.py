@@ -301,6 +301,18 @@ class RockingParameters(Shown):
         return document if document is not None and document.uncertain else None
 
     @property
+    def edges(self) -> tuple[Side | RockingParameters, ...]:
+        """The edges that differ, the right one first: the structure itself if there is
+        one.
+        """
+        return self.sides[::-1] or (self,)
+
+    @property
+    def left_and_right(self) -> tuple[Side | RockingParameters, ...]:
+        """The left and the right edge, which may be alike."""
+        return self.sides or (self, self)
+
+    @property
     def plain(self) -> bool:
         """True for the body of the paper: two equal edges, no damping and no
         restraints.

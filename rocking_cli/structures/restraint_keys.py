@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from .parameters import MOST_DAMPING, RockingParameters, Side
+from .parameters import MOST_DAMPING, RockingParameters
 from .restraints import SIDES, Restraints, Stand, Tendon, Tie
 from .shared_keys import damping_of, mass_of, restraints_in
 
@@ -67,7 +67,7 @@ def _stands(
     """Return the body on each of its edges; the other arguments as of `restrained`.
     Raises DocumentError if the arm R is not known.
     """
-    both: tuple[Side | RockingParameters, ...] = body.sides or (body, body)
+    both = body.left_and_right
     found = []
     for name, side in zip(SIDES["both"], both, strict=True):
         if (arm := side.arm or radius) is None:

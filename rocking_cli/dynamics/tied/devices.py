@@ -115,7 +115,7 @@ class Devices:
         unit = np.broadcast_to(rotation, 2)[: len(rows), None]
         moment = unit * np.array([[stands[row].moment] for row in rows])
 
-        arm = (structure.sides or (structure,))[0].arm
+        arm = structure.edges[0].arm
         weight = np.inf
         if body is not None and arm is not None:
             weight = restraints.stands[0].moment / arm

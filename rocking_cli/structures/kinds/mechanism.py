@@ -245,7 +245,7 @@ def sketch(document: Document, built: RockingParameters) -> Sketch:
     first, with numbered hinges, loads and sliders.
     """
     if isinstance(built.mechanism, Linkage):
-        left, right = (side.mechanism for side in built.sides or (built, built))
+        left, right = (side.mechanism for side in built.left_and_right)
         left = left if built.sides else None
     else:  # one rigid body
         found = _found(document, built.gravity)

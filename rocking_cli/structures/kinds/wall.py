@@ -105,7 +105,7 @@ class WallBetweenFloors:
     def sketch(self, document: Document, built: RockingParameters) -> Sketch:
         """Return the wall at rest and as it bulges at alpha."""
         linkage = built.mechanism
-        left, right = (side.mechanism for side in built.sides or (built, built))
+        left, right = (side.mechanism for side in built.left_and_right)
         assert isinstance(linkage, Linkage)
         assert isinstance(right, Linkage)
         assert isinstance(left, Linkage)

@@ -69,7 +69,7 @@ def require_geometry(structures: Sequence[RockingParameters]) -> None:
 
     def known(structure: RockingParameters) -> bool:
         return isinstance(structure.mechanism, FourBar | Linkage) or all(
-            edge.arm is not None for edge in structure.sides or (structure,)
+            edge.arm is not None for edge in structure.edges
         )
 
     if found := [

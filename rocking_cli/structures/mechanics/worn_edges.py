@@ -19,7 +19,7 @@ def worn(
     """
     if body.restraints:
         return None
-    sides: tuple[Side | RockingParameters, ...] = body.sides or (body, body)
+    sides = body.left_and_right
     left, right = (math.sin(side.alpha) * (side.arm or 0.0) for side in sides)
     half = (0.5 - share) * (left + right)
     moments = _moments(sides[1], body.gravity, 0.5 * (left - right))
