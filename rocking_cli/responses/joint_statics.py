@@ -4,30 +4,28 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ..structures.mechanics.fourbar import FourBar
 from ..structures.mechanics.joint_forces import JointForces, Moving
 from ..structures.mechanics.linkage import Linkage
 from ..structures.mechanics.measured import Measured
-from ..structures.mechanics.ring_forces import RingForces, linkage_of
+from ..structures.mechanics.ring import ArchLinkage
+from ..structures.mechanics.ring_forces import RingForces
 from ..structures.parameters import RockingParameters, Side
 from .force_history import Instants
 
 
 def joints_of(structure: RockingParameters) -> dict[float, JointStatics] | None:
     """Return the forces of each side; None of a structure without such joints."""
-    if not isinstance(structure.mechanism, FourBar | Linkage):
+    if not isinstance(structure.mechanism, Linkage):
         return None
     g, (left, right) = structure.gravity, structure.left_and_right
     edges, joints = {1.0: right, -1.0: left}, dict[float, JointForces]()
-    linkage = None
     for side, edge in edges.items():
-        mechanism = edge.mechanism
-        if isinstance(mechanism, FourBar):
-            linkage = linkage or linkage_of(mechanism)
-            joints[side] = RingForces(linkage, g, mechanism, side < 0.0)
+        linkage = edge.mechanism
+        assert isinstance(linkage, Linkage)
+        if isinstance(linkage, ArchLinkage):
+            joints[side] = RingForces(linkage, g, side < 0.0)
         else:
-            assert isinstance(mechanism, Linkage)
-            joints[side] = JointForces(mechanism, g)
+            joints[side] = JointForces(linkage, g)
     weight = joints[1.0].weight
     return {x: JointStatics(edges[x], joints[x], g, weight) for x in edges}
 

@@ -25,6 +25,18 @@ FIRST = {
 SECOND = {0: -205 / 72, 1: 8 / 5, 2: -1 / 5, 3: 8 / 315, 4: -1 / 560}
 
 
+def links_of(linkage: Any) -> tuple[np.ndarray, list[tuple[float, ...]]]:
+    """(The four hinges, (4, 2); (mass, first x, first z, polar about 0) of the three
+    links) of a linkage of the package, at rest.
+    """
+    found = []
+    for mass, centre, inertia in linkage.masses:
+        first = mass * centre
+        polar = inertia + mass * abs(centre) ** 2
+        found.append((mass, first.real, first.imag, polar))
+    return np.array([hinge.at for hinge in linkage.hinges]), found
+
+
 def places(points: np.ndarray, phi: float) -> np.ndarray:
     """(4, 2): the hinges when the first link has turned by phi towards +x."""
     a, b, c, d = (complex(*p) for p in points)
@@ -39,7 +51,7 @@ def places(points: np.ndarray, phi: float) -> np.ndarray:
 
 
 def carried(
-    points: np.ndarray, masses: list[tuple[float, float, float, float]], phi: float
+    points: np.ndarray, masses: list[tuple[float, ...]], phi: float
 ) -> np.ndarray:
     """(3, 3): x and z of the mass centres and rotations, clockwise, of the links;
     masses: (mass, first x, first z, polar about 0).
@@ -59,7 +71,7 @@ class Linkage(Body):
     def __init__(
         self,
         points: np.ndarray,
-        masses: list[tuple[float, float, float, float]],
+        masses: list[tuple[float, ...]],
         most: float,
         gravity: float,
         edge: Edge,

@@ -4,7 +4,7 @@ as another hand places them.
 
 import numpy as np
 import pytest
-from oracles.arch_linkage import SECOND, Linkage, carried, places
+from oracles.arch_linkage import SECOND, Linkage, carried, links_of, places
 from oracles.collocation import Edge, integrate
 from support.bodies import shaking_of
 from support.documents import built
@@ -24,10 +24,6 @@ from rocking_cli.motions.biaxial import with_vertical
 HINGE_COLUMNS = [f"hinge{n}_{axis}" for n in (1, 2, 3, 4) for axis in ("fx", "fz")]
 (ARCH,) = load_structures(["configs/arch.yaml"])
 EXACT = Method("nonlinear", 1e-13)
-
-
-def masses(structure):
-    return [(m.mass, m.x, m.z, m.about(0.0, 0.0)) for m in structure.mechanism.links]
 
 
 def history_of_arch(motion, amplitude=1.6, omega=5.0):
@@ -69,7 +65,7 @@ def test_each_link_moves_as_the_forces_at_its_hinges_say(swaying, side):
         i: abs(float(history.at(np.array([tau + i * h]))[0][0])) * ARCH.alpha
         for i in range(-4, 5)
     }
-    points, own = ARCH.mechanism.points, masses(ARCH)
+    points, own = links_of(ARCH.mechanism)
     motion = {i: carried(points, own, phi) for i, phi in phis.items()}
     acceleration = (
         sum(w * (motion[i] + motion[-i] if i else motion[0]) for i, w in SECOND.items())
@@ -145,9 +141,7 @@ def against_the_linkage(cells, seed):
     """
     (arch,) = load_structures("arch:10x1.5x157.5deg")
     edge = Edge(arch.p, arch.alpha, arch.eta)
-    linkage = Linkage(
-        arch.mechanism.points, masses(arch), 2.5 * arch.alpha, arch.gravity, edge
-    )
+    linkage = Linkage(*links_of(arch.mechanism), 2.5 * arch.alpha, arch.gravity, edge)
     random, worst, stood = np.random.default_rng(seed), 0.0, 0
     for _ in range(cells):
         motion = with_vertical(sine(1), cosine(2), float(random.uniform(-0.5, 0.5)))

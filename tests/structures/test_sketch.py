@@ -155,7 +155,7 @@ def test_an_arch_is_its_voussoirs_and_its_linkage_holds_together_at_alpha():
 
 def test_a_continuous_arch_is_its_three_links_and_what_stays_beside_them():
     found, built = sketched("kind: arch\nspan: 10\nrise: 3\nthickness: 1")
-    a, *_, d = built.mechanism.hinges
+    a, *_, d = built.mechanism.angles
     ring = built.mechanism.ring
     assert (len(found.bodies), len(found.moved), len(found.still)) == (
         3,

@@ -23,6 +23,9 @@ _COLLAPSED = -50.0
 # a Newton step this short, over the whole interval, leaves an error of the square of
 # the step
 _CLOSE = 1e-9
+_SETTLED = (
+    1e-11  # of the whole path: after a Newton step so short nothing is left to do
+)
 _WIDEN = 2.0  # a patch's series is fitted on this times its width
 # A smaller Chebyshev coefficient is rounding: values are of order one, with errors of
 # 1e-14, or of 1e-15 over lambda where lambda is small.
@@ -225,9 +228,10 @@ class _PatchPath:
                 self.marks.size - 1,
             )
             gap = self.sums[at] + self._integral(self.marks[at], phi) - y
-            phi = phi - gap / (
-                self.rate * np.sqrt(self.mechanism.coefficients(phi).inertia)
-            )
+            step = gap / (self.rate * np.sqrt(self.mechanism.coefficients(phi).inertia))
+            phi = phi - step
+            if not np.abs(step).max() > _SETTLED * self.marks[-1]:
+                break
         return phi
 
     def __call__(self, y: Array) -> list[Array]:

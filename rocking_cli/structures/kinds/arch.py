@@ -7,7 +7,6 @@ parameters follow from the linkage, linearised at its unstable equilibrium (Eqs.
 """
 
 import math
-from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -16,17 +15,21 @@ from ...documents.composition import Value
 from ...documents.document import Document
 from ...documents.quantities import SMALLEST_LENGTH, parse_quantity
 from ...errors import ArgumentError
-from ..mechanics.fourbar import EXTRADOS, FACES, INTRADOS, FourBar, Ring
-from ..mechanics.hinges import (
-    carried_through,
-    search_continuous,
-    search_joints,
-    static_uplift,
-)
+from ..mechanics.hinges import search_continuous, search_joints
+from ..mechanics.joint_forces import momentum_restitution
 from ..mechanics.kinematics import linearise
+from ..mechanics.linkage_drawing import drawn
+from ..mechanics.ring import (
+    EXTRADOS,
+    FACES,
+    INTRADOS,
+    ArchLinkage,
+    Ring,
+    arch_linkage,
+)
 from ..parameters import RockingParameters
 from ..shared_keys import gravity_of, restitution_of
-from ..sketch import Outline, Sketch
+from ..sketch import Sketch
 
 REPORTS = ("a_scale_3_7", "hinges", "direction", "lambda_governing")
 SIZES = ("radius", "thickness", "angle")
@@ -58,19 +61,13 @@ def build(document: Document, name: str) -> RockingParameters:
     mechanism, governing = find_mechanism(document)
     found = linearise(mechanism)
     gravity = gravity_of(document)
-    shared, own = mechanism.overlap()
     limit = "an arch whose mechanism does not throw it backwards"
-    eta, source = restitution_of(document, float(shared / own), limit)
-    # from the centre of the ring
-    hinges = [
-        {
-            "angle": s,
-            "face": face,
-            "x": float(x),
-            "z": float(z),
-        }
-        for s, face, (x, z) in zip(
-            mechanism.hinges, FACES, mechanism.points, strict=True
+    momentum, _ = momentum_restitution(mechanism, mechanism.mirrored)
+    eta, source = restitution_of(document, momentum, limit)
+    hinges = [  # from the centre of the ring
+        {"angle": s, "face": face, "x": hinge.at[0], "z": hinge.at[1]}
+        for s, face, hinge in zip(
+            mechanism.angles, FACES, mechanism.hinges, strict=True
         )
     ]
     details = {
@@ -95,43 +92,32 @@ def build(document: Document, name: str) -> RockingParameters:
     )
 
 
-def find_mechanism(document: Document) -> tuple[FourBar, float | None]:
+def find_mechanism(document: Document) -> tuple[ArchLinkage, float]:
     """Return (mechanism, governing lambda). The mechanism has the hinges of the
     document, or else the governing ones. Raises DocumentError if the arch does not
     stand, the given hinges are not admissible, or no linkage of four hinges governs.
     """
-    ring = ring_of(document)
+    ring, joints = ring_of(document), None
     voussoirs = (
         document.integer("voussoirs", 4, MOST_VOUSSOIRS)
         if document.has("voussoirs")
         else None
     )
-    joints = None if voussoirs is None else np.linspace(0.0, ring.angle, voussoirs + 1)
+    if voussoirs is not None:
+        joints = np.linspace(0.0, ring.angle, voussoirs + 1)
     found = search_continuous(ring) if joints is None else search_joints(ring, joints)
-    carried = found[1] if found else None
-    if joints is not None and not (found and carried_through(ring, joints, found[0])):
-        carried = static_uplift(ring, joints)
-    if (joints is not None and carried is None) or (
-        found is not None and not found[1] > 0.0
-    ):
+    if found is None or not found.uplift > 0.0:
         raise document.fault(
             "thickness",
             f"{document.values['thickness']}: the arch cannot carry its own weight",
             "a thicker arch",
         )
     if document.has("hinges"):
-        return replace(_given(document, ring, joints), voussoirs=voussoirs), carried
-    # If the static bound is below that of the linkage, joints open over their whole
-    # depth before four hinges form.
-    if (
-        found is None
-        or carried is None
-        or found[1] > carried + 1e-6
-        or any(a == b for a, b in pairwise(found[0]))
-    ):
+        return _given(document, ring, joints, voussoirs), found.uplift
+    if not found.four_hinges:
         wanted = "an arch longer or thinner, which rocks before its joints part"
         raise document.fault(None, "no linkage of four hinges that governs", wanted)
-    return FourBar(ring, found[0], voussoirs), found[1]
+    return arch_linkage(ring, found.joints.tolist(), voussoirs), found.uplift
 
 
 def ring_of(document: Document) -> Ring:
@@ -177,7 +163,9 @@ def ring_of(document: Document) -> Ring:
     return Ring(radius + outward * thickness, thickness, angle)
 
 
-def _given(document: Document, ring: Ring, joints: np.ndarray | None) -> FourBar:
+def _given(
+    document: Document, ring: Ring, joints: np.ndarray | None, voussoirs: int | None
+) -> ArchLinkage:
     """Return the mechanism with the hinges that the document states. Raises
     DocumentError if it is not admissible.
     """
@@ -217,13 +205,13 @@ def _given(document: Document, ring: Ring, joints: np.ndarray | None) -> FourBar
         )
         hinges = nearest
     hinges = np.clip(hinges, 0.0, ring.angle)
-    mechanism = FourBar(
-        ring,
-        tuple((hinges if first == FACES[0] else ring.angle - hinges[::-1]).tolist()),
-    )
-    at = mechanism.at_rest()
+    hinges = hinges if first == FACES[0] else ring.angle - hinges[::-1]
+    mechanism = arch_linkage(ring, hinges.tolist(), voussoirs)
+    turns, at = mechanism.swaying
+    # neighbours turn in opposite senses: each hinge opens on the face opposite to it
     require(
-        at.admissible and at.push > 0.0,
+        np.all(np.diff(turns, prepend=0.0, append=0.0) * [1, -1, 1, -1] > 0.0)
+        and at.push > 0.0,
         "hinges that do not open on their far faces",
         "hinges of a mechanism that sways",
     )
@@ -257,54 +245,9 @@ def sketch(document: Document, built: RockingParameters) -> Sketch:
     """Return a sketch with the voussoirs (or the links of a continuous arch), the
     numbered hinges, and the linkage at alpha.
     """
-    mechanism = built.mechanism
-    assert isinstance(mechanism, FourBar)
-    ring, count = mechanism.ring, mechanism.voussoirs or 0
-    ends = sorted(
-        {
-            0.0,
-            ring.angle,
-            *mechanism.hinges,
-            *(ring.angle * i / count for i in range(1, count)),
-        }
-    )
-    links = list(
-        zip(
-            mechanism.hinges[:-1],
-            mechanism.hinges[1:],
-            mechanism.displaced(built.alpha),
-            strict=True,
-        )
-    )
-    bodies, still, moved = [], [], []
-    for start, stop in pairwise(ends):
-        if stop - start <= 1e-9:
-            continue
-        outline = _sector(ring, start, stop)
-        move = next(
-            (move for low, high, move in links if low - 1e-9 <= start < high - 1e-9),
-            None,
-        )
-        if move is None:  # beside the linkage
-            still.append(outline)
-        else:
-            bodies.append(outline)
-            moved.append(tuple(move(x, z) for x, z in outline))
-    pivots = tuple(
-        (str(i), (float(x), float(z))) for i, (x, z) in enumerate(mechanism.points, 1)
-    )
-    return Sketch(
-        bodies=tuple(bodies), still=tuple(still), moved=tuple(moved), pivots=pivots
-    )
-
-
-def _sector(ring: Ring, start: float, stop: float) -> Outline:
-    """Return the outline of a part of the ring between two angles [rad]."""
-    along = np.linspace(start, stop, max(2, math.ceil((stop - start) / 0.03)) + 1)
-    faces = (ring.point(along, INTRADOS), ring.point(along[::-1], EXTRADOS))
-    return tuple(
-        zip(
-            *(np.concatenate(values).tolist() for values in zip(*faces, strict=True)),
-            strict=True,
-        )
+    found = built.mechanism
+    assert isinstance(found, ArchLinkage)
+    linkage = arch_linkage(found.ring, found.angles, found.voussoirs, images=False)
+    return drawn(
+        linkage, built.alpha, built.gravity, right=linkage, left=None, axis=0.0
     )

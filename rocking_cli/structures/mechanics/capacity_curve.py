@@ -64,11 +64,10 @@ def require_geometry(structures: Sequence[RockingParameters]) -> None:
     """Raise UsageError with the names of all structures that have no curve, since their
     geometry is not known.
     """
-    from .fourbar import FourBar
     from .linkage import Linkage
 
     def known(structure: RockingParameters) -> bool:
-        return isinstance(structure.mechanism, FourBar | Linkage) or all(
+        return isinstance(structure.mechanism, Linkage) or all(
             edge.arm is not None for edge in structure.edges
         )
 

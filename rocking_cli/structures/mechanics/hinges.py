@@ -1,223 +1,140 @@
-"""The hinges of an arch: the admissible four-hinge mechanism with the least uplift
-acceleration (kinematic theorem).
+"""The hinges of an arch, by the static theorem: lambda is the largest horizontal
+acceleration over g under which a thrust without tension stays inside every joint.
 
-For n voussoirs the search tries every choice of four of the n + 1 joints. For a
-continuous arch it starts from the best of a coarse set of joints, and refines until the
-gradient is zero for every hinge that can move.
-
-The static theorem gives the largest horizontal acceleration that a thrust without
-tension can carry, a lower bound of lambda. Both bounds are equal where four hinges
-govern: the thrust through the hinges then stays inside every joint. They differ for
-short thick arches, whose joints open over their whole depth.
+The forces at the left springing and lambda are four unknowns x. In each joint the
+moment of the thrust about the intrados is not positive, that about the extrados not
+negative: lambda is the optimum of a linear programme, and the four joints that decide
+it are the hinges of the mechanism that governs. In short thick arches joints open over
+their whole depth before four hinges form.
 """
 
-from collections.abc import Sequence
-from itertools import pairwise, product
+from typing import NamedTuple
 
 import numpy as np
 
-from .fourbar import FACES, LinkRates, Ring, rates
+from ...arrays import Array
+from .ring import FACES, INTRADOS, Ring
 
-Hinges = tuple[float, ...]  # angles of A, B, C, D [rad]
-
-# joints of the coarse set; the neighbourhood of a minimum is several joints wide
-_COARSE = 36
-_LATTICE = np.array(list(product((-1.0, -0.5, 0.0, 0.5, 1.0), repeat=4)))
-# part of the thickness by which rounding may move the thrust out of a joint
-_ROUNDING = 1e-9
+_FAR = 1e6  # bound of the unknowns at the start, for an arch of radius 1
+_ROUNDING = 1e-11  # of the unknowns: a thrust that is so far out of a joint is inside
+# joints of a continuous arch at first, and in a window about each joint that decides
+_COARSE, _FINE = 72, 20
+_NARROWER = 4  # times that such windows are looked at
+_APART = 1e-3  # of the arch: hinges that are closer run together
 # step of the complex-step derivative, which subtracts nothing and so loses no digits
 _STEP = 1e-30
 
 
-def search_joints(ring: Ring, joints: np.ndarray) -> tuple[Hinges, float] | None:
-    """Return (hinges, lambda) of the governing mechanism with hinges on these joints
-    [rad], None if no mechanism is admissible. If lambda <= 0 the arch does not stand. A
-    joint with two hinges opens over its whole depth, which may govern short thick
-    arches.
-    """
-    count = joints.size
-    inner = np.array(ring.point(joints, FACES[0]))
-    outer = np.array(ring.point(joints, FACES[1]))
-    upto = ring.sector(0.0, joints)  # a link is the difference of two of these
-    least, best = np.inf, [0]
-    for a in range(count):  # for each pair (A, B) all pairs (C, D) at once
-        for b in range(a, count):
-            c, d = np.arange(b, count)[:, None], np.arange(b, count)[None, :]
-            links = [
-                (
-                    upto.mass[j] - upto.mass[i],
-                    upto.x[j] - upto.x[i],
-                    upto.z[j] - upto.z[i],
-                )
-                for i, j in ((a, b), (b, c), (c, d))
-            ]
-            with np.errstate(all="ignore"):
-                found = rates(
-                    (inner[:, a], outer[:, b], inner[:, c], outer[:, d]), links
-                )
-                uplift = np.where(
-                    (d >= c) & found.admissible & (found.push > 0.0),
-                    found.lift / found.push,
-                    np.inf,
-                )
-            at = int(np.argmin(uplift))
-            if uplift.flat[at] < least:
-                i, j = divmod(at, uplift.shape[1])
-                least, best = float(uplift.flat[at]), [a, b, b + i, b + j]
-    return (tuple(joints[best].tolist()), least) if np.isfinite(least) else None
+class GoverningJoints(NamedTuple):
+    """What governs an arch."""
+
+    uplift: float  # lambda [-], infinite if every acceleration is carried
+    joints: Array  # angles of the four joints that decide [rad], rising
+    four_hinges: bool  # True if they are the hinges A, B, C, D of a linkage
 
 
-def search_continuous(ring: Ring) -> tuple[Hinges, float] | None:
-    """Return (hinges, lambda) of the governing mechanism of a continuous arch, angles
-    to 1e-10 rad. None if no mechanism is admissible, or if two hinges converge, as in
-    short thick arches, where no mechanism has the least lambda.
+def search_joints(ring: Ring, joints: Array) -> GoverningJoints | None:
+    """Return what governs an arch with these joints [rad]; None if no thrust carries
+    its weight under any acceleration.
     """
-    start = search_joints(ring, np.linspace(0.0, ring.angle, _COARSE + 1))
-    if start is None:
+    (inner, low), (outer, high) = (_rows(ring, joints, sign) for sign in (1.0, -1.0))
+    found = _largest(np.vstack([inner, outer]), np.append(low, high))
+    if found is None:
         return None
-    s, least, width = np.array(start[0]), start[1], ring.angle / _COARSE
-
-    # Pattern search: the lattice moves to its best point, or shrinks.
-    while width > 1e-7 * ring.angle:
-        tried = np.clip(s + width * _LATTICE, 0.0, ring.angle)
-        values = _uplifts(ring, tried)
-        at = int(np.argmin(values))
-        if values[at] < least:
-            s, least = tried[at], float(values[at])
-        else:
-            width *= 0.5
-    if np.min(np.diff(s)) < 1e-3 * ring.angle:
-        return None
-    rough = s
-
-    # Newton's method for a zero gradient. A hinge on a springing stays there while
-    # lambda falls only beyond it.
-    for _ in range(30):
-        slope = _gradient(ring, s)
-        free = ~(((s <= 0.0) & (slope > 0.0)) | ((s >= ring.angle) & (slope < 0.0)))
-        move = np.zeros(4)
-        move[free] = -np.linalg.lstsq(
-            _curvature(ring, s)[np.ix_(free, free)], slope[free], rcond=None
-        )[0]
-        # A long step: the minimum lies on the boundary of the admissible mechanisms.
-        if np.max(np.abs(move)) > 1e-3 * ring.angle:
-            break
-        before, s = s, np.clip(s + move, 0.0, ring.angle)
-        if np.max(np.abs(s - before)) < 1e-12:
-            break
-    polished = float(_uplifts(ring, s[None, :])[0])
-    return (
-        (tuple(s.tolist()), polished)
-        if polished <= least + 1e-15
-        else (tuple(rough.tolist()), least)
-    )
+    x, rows = found
+    if rows.max() >= 2 * joints.size:
+        return GoverningJoints(np.inf, joints[:0], False)
+    place, face = rows % joints.size, rows // joints.size
+    order = np.lexsort((face, place))
+    place, face = place[order], face[order]
+    intrados = np.array([one == INTRADOS for one in FACES])
+    four = np.all(np.diff(place) > 0) and np.array_equal(face == 0, intrados)
+    return GoverningJoints(float(x[3]), joints[place], bool(four))
 
 
-def _uplifts(ring: Ring, s: np.ndarray) -> np.ndarray:
-    """Return lambda [-] of mechanisms with hinge angles s, shape (count, 4); infinity
-    for a mechanism that is not admissible.
+def _largest(rows: Array, limits: Array) -> tuple[Array, Array] | None:
+    """Return (x, (4,); indices of the four rows that decide) for the largest x[3] with
+    rows x <= limits, by the dual simplex method; None if there is no such x. Indices
+    beyond the rows are those of the bounds x <= _FAR, the first basis.
     """
-    ordered = np.all(np.diff(s, axis=1) > 0.0, axis=1)
-    with np.errstate(all="ignore"):
-        found = _rates(ring, s.T)
-        return np.where(
-            ordered & found.admissible & (found.push > 0.0),
-            found.lift / found.push,
-            np.inf,
-        )
+    rows, limits = np.vstack([rows, np.eye(4)]), np.append(limits, np.full(4, _FAR))
+    basis = np.arange(limits.size - 4, limits.size)
+    while True:
+        x = np.linalg.solve(rows[basis], limits[basis])
+        out = rows @ x - limits
+        enters = int(out.argmax())
+        if out[enters] <= _ROUNDING * max(1.0, np.abs(x).max()):
+            return x, basis
+        # lambda and the row that enters, as sums of rows of the basis
+        both = np.stack([np.eye(4)[3], rows[enters]], axis=1)
+        price, share = np.linalg.solve(rows[basis].T, both).T
+        with np.errstate(all="ignore"):
+            ratio = np.where(share > 1e-12, np.maximum(price, 0.0) / share, np.inf)
+        if ratio.min() == np.inf:
+            return None
+        basis[ratio.argmin()] = enters
 
 
-def _rates(ring: Ring, s: np.ndarray) -> LinkRates:
-    """Return the rates of the mechanism with these hinge angles, (4, ...)."""
-    points = [ring.point(x, face) for x, face in zip(s, FACES, strict=True)]
-    return rates(points, [ring.sector(a, b)[:3] for a, b in pairwise(s)])
-
-
-def _gradient(ring: Ring, s: np.ndarray) -> np.ndarray:
-    """Return the derivatives d lambda/ds [1/rad], shape (4,)."""
-    moved = [_rates(ring, s + 1j * _STEP * unit) for unit in np.eye(4)]
-    return np.array([(found.lift / found.push).imag / _STEP for found in moved])
-
-
-def _curvature(ring: Ring, s: np.ndarray) -> np.ndarray:
-    """Return the second derivatives of lambda, shape (4, 4)."""
-    step = 1e-5  # rad
-    rows = [
-        (_gradient(ring, s + step * unit) - _gradient(ring, s - step * unit))
-        / (2.0 * step)
-        for unit in np.eye(4)
-    ]
-    return 0.5 * (np.array(rows) + np.array(rows).T)
-
-
-def carried_through(ring: Ring, joints: np.ndarray, hinges: Sequence[float]) -> bool:
-    """True if the thrust through four hinges [rad] stays inside every joint [rad]: then
-    their mechanism governs.
+def _rows(ring: Ring, s: Array, sign: float | Array) -> tuple[Array, Array]:
+    """Return (rows, (joints, 4); limits, (joints,)) of the programme for the joints at
+    s [rad], for an arch of radius 1; sign: 1 for the intrados, -1 for the extrados.
     """
-    places = np.array(hinges)
-    x, z = (
-        np.array(c)[:, None]
-        for c in zip(
-            *(ring.point(s, face) for s, face in zip(places, FACES, strict=True)),
-            strict=True,
-        )
-    )
-    fx, fz, moment = _thrust(ring, places)
-    equations = moment + z * fx - x * fz  # no moment about each of the hinges
-    try:
-        found = np.append(np.linalg.solve(equations[:, :4], -equations[:, 4]), 1.0)
-    except np.linalg.LinAlgError:
-        return False
-    normal, eccentric = (forces @ found for forces in _in_joints(ring, joints))
-    return bool(
-        np.all(normal > 0.0)
-        and np.all(np.abs(eccentric) <= (0.5 + _ROUNDING) * ring.thickness * normal)
-    )
-
-
-def static_uplift(ring: Ring, joints: np.ndarray) -> float | None:
-    """Return lambda [-] by the static theorem for these joints [rad], by a linear
-    program; None if no thrust carries the arch's weight.
-    """
-    from scipy.optimize import linprog
-
-    # lambda does not depend on the scale, but the tolerances of the solver do.
     ring = Ring(1.0, ring.thickness / ring.radius, ring.angle)
-    normal, eccentric = _in_joints(ring, joints)
+    sign = np.broadcast_to(sign, s.shape)[:, None]
+    polar = (0.5 * np.pi + 0.5 * ring.angle - s)[:, None]
+    unit, part = np.eye(5), ring.sector(0.0 * s, s)
+    mass, x, z = (moment[:, None] for moment in part[:3])
 
-    # The largest lambda with |M| <= N t/2 on every joint.
-    outside = np.vstack(
-        [side * eccentric - 0.5 * ring.thickness * normal for side in (1.0, -1.0)]
-    )
-    found = linprog(
-        [0.0, 0.0, 0.0, -1.0],
-        outside[:, :4],
-        -outside[:, 4],
-        bounds=[(None, None)] * 4,
-        method="highs",
-    )
-    return float(found.x[3]) if found.status == 0 else None
-
-
-def _thrust(ring: Ring, s: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return Fx, Fz and the moment about the centre in the joints at s [rad], by the
-    equilibrium of the arch up to each joint, as coefficients, shape (joints, 5), of Fx,
-    Fz and moment at the left springing, lambda, and 1.
-    """
-    unit, part = np.eye(5), ring.sector(np.zeros(s.size), s)
-    mass, x, z = (np.asarray(moment)[:, None] for moment in part[:3])
-    return (
-        unit[0] + mass * unit[3],
-        unit[1] - mass * unit[4],
-        unit[2] - z * unit[3] - x * unit[4],
-    )
-
-
-def _in_joints(ring: Ring, joints: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the normal force and its moment about the middle of each joint, as
-    coefficients like those of `_thrust`.
-    """
-    polar = (0.5 * np.pi + 0.5 * ring.angle - joints)[:, None]
-    fx, fz, moment = _thrust(ring, joints)
+    # Fx, Fz and the moment about the centre in each joint, by the equilibrium of the
+    # arch up to it: coefficients of those at the left springing, of lambda, and of 1
+    fx, fz = unit[0] + mass * unit[3], unit[1] - mass * unit[4]
+    moment = unit[2] - z * unit[3] - x * unit[4]
     normal = np.sin(polar) * fx - np.cos(polar) * fz
-    return normal, moment + ring.radius * normal
+    found = sign * (moment + (ring.radius - sign * 0.5 * ring.thickness) * normal)
+    return found[:, :4], -found[:, 4]
+
+
+def search_continuous(ring: Ring) -> GoverningJoints | None:
+    """Return what governs an arch that can hinge anywhere, hinges to 1e-10 rad, as
+    `search_joints`.
+    """
+    coarse = np.linspace(0.0, ring.angle, _COARSE + 1)
+    found, width = search_joints(ring, coarse), ring.angle / _COARSE
+    for _ in range(_NARROWER):
+        if found is None or found.four_hinges:
+            break
+        near = np.add.outer(width * np.linspace(-1.0, 1.0, 2 * _FINE + 1), found.joints)
+        joints = np.append(coarse, np.clip(near, 0.0, ring.angle))
+        found, width = search_joints(ring, np.unique(joints)), width / _FINE
+    if found is None or not found.four_hinges:
+        return found
+
+    # Newton's method for hinges where the thrust touches the faces
+    s = found.joints
+    for _ in range(30):
+        x = np.linalg.solve(*_rows(ring, s, _SIGNS))
+        slope, bend = _along(ring, s, x)
+        held = ((s <= 0.0) & (slope < 0.0)) | ((s >= ring.angle) & (slope > 0.0))
+        move = np.where(held, 0.0, np.clip(-slope / bend, -width, width))
+        before, s = s, np.clip(s + move, 0.0, ring.angle)
+        if np.abs(s - before).max() < 1e-12:
+            break
+    four = bool(np.diff(s).min() > _APART * ring.angle)
+    return GoverningJoints(float(x[3]), s, four)
+
+
+_SIGNS = np.array([1.0 if face == INTRADOS else -1.0 for face in FACES])
+
+
+def _along(ring: Ring, s: Array, x: Array) -> tuple[Array, Array]:
+    """Return the first and the second derivative along the arch of how far the thrust
+    is out at the hinges s [rad], (4,) each.
+    """
+
+    def slope(s: Array) -> Array:
+        rows, limits = _rows(ring, s + 1j * _STEP, _SIGNS)
+        found: Array = (rows @ x - limits).imag / _STEP
+        return found
+
+    step = 1e-5  # rad
+    return slope(s), (slope(s + step) - slope(s - step)) / (2.0 * step)

@@ -21,8 +21,6 @@ from ...arrays import Array
 from ...errors import StructureError
 
 _FIRST_SCAN = 0.1  # rad, where an equilibrium is looked for first
-# central differences of eighth order, at 1 to 4 steps
-_WEIGHTS = (4.0 / 5.0, -1.0 / 5.0, 4.0 / 105.0, -1.0 / 280.0)
 
 
 class Coefficients(NamedTuple):
@@ -98,25 +96,6 @@ def linearise(mechanism: Mechanism) -> Linearised:
         stiffness=negative_stiffness / float(there.inertia),  # Eq. 3.5
         a_scale=alpha / uplift,  # Eq. 3.9: the linear form lifts at lambda too
         a_scale_3_7=float(there.push) / negative_stiffness,
-    )
-
-
-def slope_by_differences(mechanism: Mechanism, alpha: float) -> float:
-    """Return V''(alpha)/g [kg m], or 0 if alpha is too close to the rotation at which
-    the links lock. For a mechanism without a derivative in closed form.
-    """
-    # V' is smooth between rest and the locked position.
-    step = 0.01 * min(alpha, mechanism.reach_to(0.5 * math.pi) - alpha)
-    if not step > 1e-9 * alpha:
-        return 0.0
-    return sum(
-        weight
-        * float(
-            mechanism.coefficients(alpha + i * step).lift
-            - mechanism.coefficients(alpha - i * step).lift
-        )
-        / step
-        for i, weight in enumerate(_WEIGHTS, 1)
     )
 
 

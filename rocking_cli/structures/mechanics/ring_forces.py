@@ -15,15 +15,12 @@ from typing import Any, ClassVar, NamedTuple
 import numpy as np
 
 from ...arrays import Array
-from .assembly import GROUND, Assembly, Hinge, PlanarBody
-from .fourbar import EXTRADOS, INTRADOS, FourBar
 from .joint_forces import JointForce, JointForces, Moving
-from .linkage import Linkage
 from .measured import Measured, ratio_of
+from .ring import EXTRADOS, INTRADOS, ArchLinkage
 
 _SECTIONS = 180  # radial sections of an arch without voussoirs that are looked at
 _RATIOS = ("friction", "eccentricity")
-_LINKS = (GROUND, "A-B", "B-C", "C-D", GROUND)  # the parts from springing A on
 
 
 class Resultants(NamedTuple):
@@ -32,23 +29,6 @@ class Resultants(NamedTuple):
     thrust: Array  # N, per unit density and width
     shear: Array  # |T|, per unit density and width
     eccentricity: Array  # |M|/(N t/2) [-]
-
-
-def linkage_of(mechanism: FourBar) -> Linkage:
-    """Return the mechanism of an arch as bodies and hinges, per unit density and width.
-    The first body of each hinge is that beyond it from springing A.
-    """
-    bodies = []
-    for name, part in zip(_LINKS[1:], mechanism.links, strict=False):
-        x, z = part.x / part.mass, part.z / part.mass
-        bodies.append(PlanarBody(name, part.mass, (x, z), part.about(x, z)))
-    joints = [
-        Hinge((after, before), (float(x), float(z)))
-        for before, after, (x, z) in zip(
-            _LINKS, _LINKS[1:], mechanism.points, strict=False
-        )
-    ]
-    return Linkage(Assembly(tuple(bodies)), tuple(joints), _LINKS[1])
 
 
 @dataclass(frozen=True)
@@ -69,7 +49,7 @@ class RingForces(JointForces):
     the left springing, joints begin with 0 there, whichever way the arch sways.
     """
 
-    arch: FourBar  # the mechanism with its ring
+    linkage: ArchLinkage  # the mechanism that sways to the right
     mirrored: bool = False  # True if it sways to the left
 
     # by quantity, its column and those of its place
@@ -83,18 +63,18 @@ class RingForces(JointForces):
     @property
     def weight(self) -> float:
         """The weight of the whole arch, per unit density and width."""
-        ring = self.arch.ring
+        ring = self.linkage.ring
         return self.gravity * ring.radius * ring.thickness * ring.angle
 
     @cached_property
     def joints(self) -> Array:
         """Angles of the joints from springing A [rad]."""
-        count = (self.arch.voussoirs or _SECTIONS) + 1
-        return np.linspace(0.0, self.arch.ring.angle, count)
+        count = (self.linkage.voussoirs or _SECTIONS) + 1
+        return np.linspace(0.0, self.linkage.ring.angle, count)
 
     def _parts_to(self, joints: Array) -> _Parts:
         """Return the parts of the arch that end at these joints."""
-        ring, hinges = self.arch.ring, np.array(self.arch.hinges)
+        ring, hinges = self.linkage.ring, np.array(self.linkage.angles)
         part_of = np.searchsorted(hinges, joints)
         hinge, link = np.maximum(part_of - 1, 0), part_of % 4
         part = ring.sector(hinges[hinge], joints)
@@ -103,7 +83,7 @@ class RingForces(JointForces):
         faces = np.array([ring.point(joints, face) for face in (INTRADOS, EXTRADOS)])
         middle = faces.mean(axis=0)
         polar = 0.5 * np.pi + 0.5 * ring.angle - joints
-        points = self.arch.points[hinge].T
+        points = np.array([at for _, at in self.linkage.hinges])[hinge].T
         found = [
             self.linkage.chain(int(at), complex(*place))
             for places in ((x, z), middle, points)
@@ -139,7 +119,7 @@ class RingForces(JointForces):
 
         normal = self.linkage.turned(at.q)[:, parts.link] * parts.normal
         along = np.conj(normal) * force
-        half = 0.5 * self.arch.ring.thickness
+        half = 0.5 * self.linkage.ring.thickness
         return Resultants(
             along.real, np.abs(along.imag), np.abs(moment) / (half * along.real)
         )
@@ -162,7 +142,7 @@ class RingForces(JointForces):
         """
         found = self.during(moving)
         on = self.resultants(moving, found, self.joints)
-        near = np.abs(np.subtract.outer(self.joints, self.arch.hinges)).min(axis=1)
+        near = np.abs(np.subtract.outer(self.joints, self.linkage.angles)).min(axis=1)
         eccentricity = np.where(on.thrust > 0.0, on.eccentricity, np.inf)
         measures = {
             "hinge_force": np.hypot(*found.hinges.T).T / weight,

@@ -9,7 +9,7 @@ from functools import cache
 
 import numpy as np
 import pytest
-from oracles.arch_linkage import carried
+from oracles.arch_linkage import carried, links_of
 from oracles.mechanism_pulse import OneWay, Part, peak
 from scipy.optimize import brentq, minimize_scalar
 from support.documents import built
@@ -102,18 +102,12 @@ def buttresses():
 def buttress_oracle():
     """By the rotation of the link beside the buttress that stays."""
     linkage = buttresses().mechanism
-    points = np.array([hinge.at for hinge in linkage.hinges])
-    masses = []
-    for link in (("v8", "v7", "v6"), ("v5", "v4", "v3"), ("v2", "v1", "right")):
-        own = linkage.masses[linkage.link_of[link[0]] - 1]
-        first = own.mass * own.centre
-        polar = own.inertia + own.mass * abs(own.centre) ** 2
-        masses.append((own.mass, first.real, first.imag, polar))
+    points, links = links_of(linkage)
+    order = [linkage.link_of[name] - 1 for name in ("v8", "v5", "v2")]
+    masses = [links[i] for i in order]
     parts = [
         Part(own.mass, own.inertia, lambda x, i=i: carried(points, masses, x)[i])
-        for i, own in enumerate(
-            linkage.masses[linkage.link_of[name] - 1] for name in ("v8", "v5", "v2")
-        )
+        for i, own in enumerate(linkage.masses[i] for i in order)
     ]
     return parts, 0.8, lambda x: carried(points, masses, x)[2, 2]
 

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 import pytest
-from oracles.arch_linkage import places
+from oracles.arch_linkage import links_of, places
 from support.documents import built
 from support.refusals import refuses
 
@@ -52,13 +52,13 @@ def test_an_arch_has_the_virtual_work_of_its_links():
         "kind: arch\nradius: 10\nthickness: 1.5\nangle: 157.5 deg\nvoussoirs: 7"
     )
     (curve,) = capacity_curves(body)
-    mechanism = body.mechanism
-    masses = np.array([link.mass for link in mechanism.links])
-    rest = mechanism.points[:, 0] + 1j * mechanism.points[:, 1]
-    centre = [complex(link.x, link.z) / link.mass for link in mechanism.links]
+    points, links = links_of(body.mechanism)
+    masses = np.array([mass for mass, *_ in links])
+    rest = points[:, 0] + 1j * points[:, 1]
+    centre = [complex(x, z) / mass for mass, x, z, _ in links]
 
     def centres(phi):
-        now = np.array([complex(*point) for point in places(mechanism.points, phi)])
+        now = np.array([complex(*point) for point in places(points, phi)])
         turn = (now[1:] - now[:-1]) / (rest[1:] - rest[:-1])
         return now[:-1] + turn * (np.array(centre) - rest[:-1])
 
