@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from rocking_cli.structures.mechanics.kinematics import Coefficients
-from rocking_cli.structures.mechanics.moments import Moments, spin_about
+from rocking_cli.structures.mechanics.moments import Moments
 
 
 @dataclass(frozen=True)
@@ -52,11 +52,6 @@ class EdgeRocker:
         """(int rho u.w, int rho w.w): u is a rotation about one edge before the
         impact, w one about the other edge after it.
         """
-        before, after = (
-            spin_about(self.pivot, 0.0, -1.0),
-            spin_about(-self.pivot, 0.0, -1.0),
-        )
-        mirrored = self.body._replace(x=-self.body.x)
-        return before.product(after, self.shared or self.body), after.product(
-            after, mirrored
-        )
+        left, right = (-self.pivot, 0.0), (self.pivot, 0.0)
+        shared = self.shared or self.body
+        return shared.between(left, right), self.body.about(*right)

@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ...documents.document import Document
-from ..mechanics.moments import Moments, spin_about
+from ..mechanics.moments import Moments
 from ..mechanics.single_body import RigidBody, symmetric_body
 from ..mechanics.toe import Foot, RingBase, density_of
 from ..shared_keys import mass_of
@@ -166,11 +166,9 @@ class Spire(NamedTuple):
         """eta from angular momentum: only the part above both cracks moves before and
         after an impact.
         """
-        body = self.rocking()
-        before = spin_about(self.base_radius, 0.0, -1.0)
-        after = spin_about(-self.base_radius, 0.0, -1.0)
-        shared: float = before.product(after, self.rocking(both=True))
-        return shared / float(after.product(after, body._replace(x=-body.x)))
+        left, right = (-self.base_radius, 0.0), (self.base_radius, 0.0)
+        shared: float = self.rocking(both=True).between(left, right)
+        return shared / float(self.rocking().about(*right))
 
 
 def body(document: Document) -> RigidBody:

@@ -1,4 +1,4 @@
-"""Integrals over the section of a body, and velocity fields of rigid links."""
+"""Integrals over the section of a body."""
 
 from __future__ import annotations
 
@@ -36,29 +36,10 @@ class Moments(NamedTuple):
             self.polar - 2.0 * (x * self.x + z * self.z) + (x * x + z * z) * self.mass
         )
 
-
-class Spin(NamedTuple):
-    """The velocity field of a rigid link, u = (x0 + omega z, z0 - omega x)."""
-
-    x0: Any  # horizontal velocity at the origin
-    z0: Any  # vertical velocity at the origin
-    omega: Any  # positive clockwise, towards +x
-
-    def product(self, other: Spin, body: Moments) -> Any:
-        """Return int rho u.w dV over a body, where u is this field and w
-        the other one.
+    def between(self, a: tuple[float, float], b: tuple[float, float]) -> Any:
+        """Return int (r - a).(r - b) dm [kg m2]: the angular momentum about b of a unit
+        rotation about a.
         """
-        straight = self.x0 * other.x0 + self.z0 * other.z0
-        along_x = self.z0 * other.omega + other.z0 * self.omega
-        along_z = self.x0 * other.omega + other.x0 * self.omega
-        return (
-            straight * body.mass
-            - along_x * body.x
-            + along_z * body.z
-            + self.omega * other.omega * body.polar
-        )
-
-
-def spin_about(x: float, z: float, omega: float = 1.0) -> Spin:
-    """Return the velocity field of a rotation about the point (x, z)."""
-    return Spin(-omega * z, omega * x, omega)
+        (ax, az), (bx, bz) = a, b
+        first = (ax + bx) * self.x + (az + bz) * self.z
+        return self.polar - first + (ax * bx + az * bz) * self.mass

@@ -33,7 +33,7 @@ from ..shared_keys import (
     restraints_in,
 )
 from ..sketch import Point, Sketch, rectangle, redrawn, rocker
-from .moments import Moments, spin_about
+from .moments import Moments
 from .toe import Foot, toe_of
 
 
@@ -390,7 +390,7 @@ def edges_of(
     """
     z = body.z / body.mass
     # I_G + m (z^2 - l r), the angular momentum about one edge of a turn about the other
-    shared = spin_about(half, 0.0).product(spin_about(-half, 0.0), body)
+    shared = body.between((half, 0.0), (-half, 0.0))
 
     def on(edge: float) -> EdgeParameters:
         distance = abs(edge - body.x / body.mass)
@@ -413,12 +413,7 @@ def _against_backing(body: Moments, half: float, top: Point | None) -> float | N
     """
     if top is None:
         return None
-    x, z = body.x / body.mass, body.z / body.mass
-    central = body.about(x, z)
-    return float(
-        (central + body.mass * ((x + half) * (x - top[0]) + z * (z - top[1])))
-        / body.about(*top)
-    )
+    return float(body.between((-half, 0.0), top) / body.about(*top))
 
 
 def radius_and_alpha(document: Document, centroid: float = 0.5) -> tuple[float, float]:
