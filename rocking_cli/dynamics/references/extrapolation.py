@@ -1,6 +1,6 @@
 """Solves an equation of second order, with its peaks and its impact: by the modified
 midpoint rule, extrapolated to step length 0 (Gragg, Bulirsch and Stoer; Hairer, Norsett
-and Wanner, Solving Ordinary Differential Equations I, II.9), or by a closed form.
+and Wanner, Solving Ordinary Differential Equations I, II.9).
 SciPy's solvers take longer to import than a small sweep takes.
 """
 
@@ -24,15 +24,12 @@ _ROWS = 3
 # a step with a dip of the velocity inside is halved down to this length, over the
 # span
 _DIP = 1.0 / 64.0
-# rotation over the critical angle below which a closed form is not used
-_TINY = 1e-3
 # first step from an impact over speed/force: four times as long as the bounce
 _BOUNCES = 8.0
 _SHORTEST = 1e-12  # least step, over the length of the span
 # a motion from rest back to the ground that is shorter, over the span, is ignored
 _HOP = 1e-6
 _NEAR = 1e-9  # error of the time to a root
-_GUESS = 20  # halvings of the interval of a first guess of a root
 _ROUNDS = 100  # limit of a search for a root; bisection alone takes 60
 
 
@@ -58,9 +55,6 @@ class EdgeMotion(NamedTuple):
 
     rate: Slopes  # its right side
     unit: float = 1.0  # critical angle [rad]
-    # function of a state and a length that returns the state so much later in closed
-    # form; None without one
-    exact: Callable[[StatePoint, float], StatePoint] | None = None
 
     def step(
         self,
@@ -71,46 +65,35 @@ class EdgeMotion(NamedTuple):
         """Return the state `length` after `start`; None if the step is too long for the
         extrapolations to agree. first: the rates at the start, where they are known.
         """
-        # Rounding of a closed form is that of terms of the order of the critical angle.
-        if self.exact is not None and start.theta > _TINY * self.unit:
-            return self.exact(start, length)
-        return _extrapolated(self.rate, start, length, self.unit, first)
-
-
-def _extrapolated(
-    rate: Slopes,
-    start: StatePoint,
-    length: float,
-    unit: float,
-    first: tuple[float, float] | None,
-) -> StatePoint | None:
-    """Return the state `length` after `start` by extrapolation, None if the step is too
-    long.
-    """
-    time, theta, w = start
-    last: list[tuple[float, float]] = []  # the row before in the table
-    # A midpoint may leave the range of doubles, or of the equation.
-    with suppress(ArithmeticError, ValueError):
-        first = first or rate(time, theta, w)
-        for k, parts in enumerate(_PARTS):
-            # The rule itself, then extrapolated once, twice, ...
-            row = [_midpoint_rule(rate, start, first, length, parts)]
-            for j in range(k):
-                over = (parts / _PARTS[k - 1 - j]) ** 2 - 1.0
-                row.append(
-                    (
-                        row[j][0] + (row[j][0] - last[j][0]) / over,
-                        row[j][1] + (row[j][1] - last[j][1]) / over,
+        time, theta, w = start
+        last: list[tuple[float, float]] = []  # the row before in the table
+        # A midpoint may leave the range of doubles, or of the equation.
+        with suppress(ArithmeticError, ValueError):
+            first = first or self.rate(time, theta, w)
+            for k, parts in enumerate(_PARTS):
+                # The rule itself, then extrapolated once, twice, ...
+                row = [_midpoint_rule(self.rate, start, first, length, parts)]
+                for j in range(k):
+                    over = (parts / _PARTS[k - 1 - j]) ** 2 - 1.0
+                    row.append(
+                        (
+                            row[j][0] + (row[j][0] - last[j][0]) / over,
+                            row[j][1] + (row[j][1] - last[j][1]) / over,
+                        )
                     )
-                )
-            if k + 1 >= _ROWS and all(
-                abs(a - b)
-                <= max(_LEAST * unit, _TOLERANCE * max(abs(a), abs(c), abs(length * d)))
-                for a, b, c, d in zip(row[-1], row[-2], (theta, w), first, strict=True)
-            ):
-                return StatePoint(time + length, *row[-1])
-            last = row
-    return None
+                if k + 1 >= _ROWS and all(
+                    abs(a - b)
+                    <= max(
+                        _LEAST * self.unit,
+                        _TOLERANCE * max(abs(a), abs(c), abs(length * d)),
+                    )
+                    for a, b, c, d in zip(
+                        row[-1], row[-2], (theta, w), first, strict=True
+                    )
+                ):
+                    return StatePoint(time + length, *row[-1])
+                last = row
+        return None
 
 
 def _midpoint_rule(
@@ -209,13 +192,7 @@ def passes(
     """
     rate = flow.rate
     low, high = 0.0, end.time - start.time
-    length = high * _cubic_root(
-        sense * (start[which] - level),
-        sense * rate(*start)[which - 1] * high,
-        sense * (end[which] - level),
-        sense * rate(*end)[which - 1] * high,
-    )
-    there = flow.step(start, length) or end
+    length, there = high, end
     for _ in range(_ROUNDS):
         value = sense * (there[which] - level)
         slope = sense * rate(*there)[which - 1]
@@ -227,19 +204,3 @@ def passes(
         length = target
         there = flow.step(start, length) or there
     return there
-
-
-def _cubic_root(first: float, slope: float, last: float, end_slope: float) -> float:
-    """Return where a cubic falls through zero on [0, 1], from its values and slopes at
-    both ends, to 1e-6; 1 where it does not.
-    """
-    bend = 3.0 * (last - first) - 2.0 * slope - end_slope
-    twist = 2.0 * (first - last) + slope + end_slope
-    low, high = 0.0, 1.0
-    for _ in range(_GUESS):
-        x = 0.5 * (low + high)
-        if first + x * (slope + x * (bend + x * twist)) > 0.0:
-            low = x
-        else:
-            high = x
-    return high

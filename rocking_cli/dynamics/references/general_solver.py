@@ -1,8 +1,7 @@
 """A second, slower solver for every equation and contact, as a check: a Runge-Kutta
 method on the equation as the paper writes it.
 
-It shares no series, table, window, closed form or energy argument with the engine. A
-linear equation is solved in closed form where a body is well above the ground. The
+It shares no series, table, window, closed form or energy argument with the engine. The
 state is (theta, w), w = sqrt(M/M0) theta', which takes the velocity term out of Eq.
 3.4; M0 is M at rest, and w = theta' of a rigid body. A span is half a radian of the
 fastest motion; impacts and peaks are found where signs change (`extrapolation`). A body
@@ -20,7 +19,6 @@ from typing import NamedTuple
 from ...motions.motion import Motion, Piece, extremes, plus
 from ..outcome import FALLEN, Outcome
 from .extrapolation import EdgeMotion, Path, Slopes, StatePoint, path
-from .linear_form import LinearForm
 
 # limit of the number of spans of a cell: a constant, and an addition for each
 # segment of the motion
@@ -63,7 +61,6 @@ class Rates(NamedTuple):
     # False if a body that loses contact beyond alpha has an unknown outcome, so that
     # its cell fails
     returns: bool = True
-    linear: LinearForm | None = None  # the closed form of a linear equation
 
 
 class Problem(NamedTuple):
@@ -301,9 +298,7 @@ class ReferenceBody:
                 else of(theta, w, 0.0, 1.0)
             )
 
-        linear = self.here.linear if self.up is None else None
-        exact = linear and linear.under(piece, self.omega, push)
-        return EdgeMotion(rate, self.here.alpha, exact)
+        return EdgeMotion(rate, self.here.alpha)
 
     def _land(
         self, piece: Piece, there: StatePoint, rate: Slopes, earliest: float

@@ -219,7 +219,6 @@ class _TiedBody(ReferenceBody):
             i: e._replace(
                 of=self.restrained(i, e),
                 limit=self.held.limit(i, e.alpha),
-                linear=None,
             )
             for i, e in problem.edges.items()
         }

@@ -9,7 +9,6 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from .general_solver import Arm, Problem, Rates
-from .linear_form import LinearForm
 
 if TYPE_CHECKING:
     from ...structures.parameters import RockingParameters, Side
@@ -35,8 +34,7 @@ def linear_rates(structure: RockingParameters, edge: Edge) -> Rates:
             - 2.0 * damping * pace * w,
         )
 
-    form = LinearForm(alpha, a_scale, pace, damping)
-    return Rates(alpha, alpha / a_scale, math.inf, rates, linear=form)
+    return Rates(alpha, alpha / a_scale, math.inf, rates)
 
 
 def rigid_body_rates(structure: RockingParameters, edge: Edge) -> Rates:
