@@ -227,26 +227,19 @@ def _sliding_under_each(
     structure: RockingParameters, motions: MotionSet, amplitudes: Sequence[Array]
 ) -> Exposure:
     """Return `_under_each` of a structure that slides and never rocks."""
-    from ..spectra.scene import CellBand
+    from ..spectra.scene import SceneCells
     from ..spectra.work.sliding_cells import sliding_block
 
     found = [
         sliding_block(
             structure,
-            CellBand(
-                structure,
-                m.motion,
-                (1, a.size),
-                a,
-                np.array([m.omega / structure.p]),
-                (structure,),
-            ),
+            SceneCells(structure, m.motion, a, np.full(a.size, m.omega / structure.p)),
             ("slide",),
         )
         for m, a in zip(motions.members, amplitudes, strict=True)
     ]
     names = "theta_ratio", "outcome", "slide_max"
-    return Exposure(*(np.array([f[name][0] for f in found]) for name in names))
+    return Exposure(*(np.array([f[name] for f in found]) for name in names))
 
 
 def as_recorded(structure: RockingParameters, motions: MotionSet) -> Exposure:

@@ -4,8 +4,9 @@ against an independent reference.
 
 import math
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from functools import partial
+from itertools import islice
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -20,10 +21,11 @@ from ..motions.given import AnyMotion, with_grid
 from ..motions.grid import Grid
 from ..spectra.error_bound import tolerance_of
 from ..spectra.scene import PulseScene
-from ..spectra.verification import sampled_cells
+from ..spectra.verification import CellPlace, drawn_cells
 from ..structures.given import Structure, structure_from
 
 TOLERANCES = (1e-4, 1e-6, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12)
+_DRAWS = 10_000  # cells of the grid among which those that lift are looked for
 SCIPY_METHODS = ("RK45", "LSODA", "DOP853")
 SCIPY_TOLERANCES = (1e-4, 1e-6, 1e-8, 1e-10, 1e-12)
 
@@ -43,13 +45,12 @@ def work_precision(
     """
     structure = scene.structures[0]
     one = PulseScene((structure,), scene.grid, scene.motion, scene.method)
-    chosen = sampled_cells(one, sample, seed)
-    if not chosen.size:
+    known = list(islice(_known_cells(one, drawn_cells(one, _DRAWS, seed)), sample))
+    if not known:
         raise UsageError(
             "no cell of this grid leaves the ground; expected a grid that goes above"
             " uplift"
         )
-    known = _known_cells(one, chosen)
     for tolerance in (None,) if one.method.exact else TOLERANCES:
         yield _of_engine(one, tolerance, known)
     for method in SCIPY_METHODS if scipy else ():
@@ -66,18 +67,16 @@ class KnownCell(NamedTuple):
     theta_ratio: float  # theta_max/alpha of the reference [-]
 
 
-def _known_cells(scene: PulseScene, chosen: np.ndarray) -> list[KnownCell]:
-    """Return these cells without those that the reference does not solve; chosen:
-    (structure, row, column) of each.
-    """
+def _known_cells(scene: PulseScene, places: Iterable[CellPlace]) -> Iterator[KnownCell]:
+    """Yield those of these cells that lift and that the reference solves."""
     (structure,) = scene.structures
     amplitude, omega = scene.grid.scaled(structure)
     reference = scene.method.reference_of(structure)
-    found = []
-    for _, row, col in chosen:
-        a, w = float(amplitude[col]), float(omega[row])
-        found.append(KnownCell(a, w, *reference(scene.motion, a, w)))
-    return [cell for cell in found if cell.outcome != Outcome.FAILED]
+    for _, row, column in places:
+        a, w = float(amplitude[column]), float(omega[row])
+        cell = KnownCell(a, w, *reference(scene.motion, a, w))
+        if cell.outcome not in (Outcome.FAILED, Outcome.NO_UPLIFT):
+            yield cell
 
 
 def _of_engine(

@@ -23,7 +23,7 @@ from ..motions.grid import MAX_CELLS, Axis, parse_angles, parse_axes, written_ax
 from ..motions.recording import Recording
 from ..structures.parameters import RockingParameters
 from .dimensions import RECORDED, Frame, lists_of, structure_lists, varied_units
-from .scene import CellBand, Scene, SceneCell, Unit
+from .scene import Scene, SceneCells, Unit
 
 COLUMNS = ("scale", "A", "a_g", "T")
 AS_RECORDED = Axis("scale", np.array([1.0]))
@@ -163,20 +163,15 @@ class RecordScene(Scene):
     def sharing(self) -> list[tuple[int, ...]]:
         return [(i,) for i in range(len(self.recordings))]
 
-    def bands(self, unit: Unit, size: tuple[int, int]) -> Iterator[CellBand]:
+    def cells_of(self, unit: Unit, size: tuple[int, int]) -> Iterator[SceneCells]:
         recording = self.recordings[unit.places[0]]
         motion, columns = recording.motion, slice(unit.column, unit.column + size[1])
         for structure in self.structures[unit.row : unit.row + size[0]]:
             amplitude, omega = np.broadcast_arrays(
                 *self._scaled(structure, recording.acceleration)
             )
-            yield CellBand(
-                structure,
-                motion,
-                (1, size[1]),
-                amplitude[columns],
-                omega[columns],
-                (structure,),
+            yield SceneCells(
+                structure, motion, amplitude[columns], omega[columns], (structure,)
             )
 
     def only(self, units: Sequence[Unit]) -> "RecordScene":
@@ -192,11 +187,11 @@ class RecordScene(Scene):
             ),
         )
 
-    def judge_of(self, cell: SceneCell) -> Outcome | None:
+    def judge_of(self, cell: SceneCells) -> Outcome | None:
         nonlinear = Method("nonlinear")
         if not self.method.exact or not nonlinear.serves(cell.structure):
             return None
-        at = (np.array([cell.amplitude]), np.array([cell.omega]))
+        at = cell.amplitude, cell.omega
         system = nonlinear.system_of(cell.structure)
         how = cheaper(system, cell.motion, 1)
         found = response(system, cell.motion, *at, peaks=False, how=how)

@@ -37,40 +37,16 @@ class Unit:
     column: int  # column of its first cell
 
 
-class CellBand(NamedTuple):
-    """Rows of a unit with one structure under one motion."""
+class SceneCells(NamedTuple):
+    """Cells of one structure under one motion."""
 
     structure: RockingParameters  # the one that is computed
     motion: Motion  # the ground motion
-    shape: tuple[int, int]  # (rows, columns)
-    amplitude: Array  # A [-], broadcasts to the shape
-    omega: Array  # Omega [-], broadcasts to the shape
-    # the structures at all places of the unit; they have the rotations of `structure`,
+    amplitude: Array  # A [-], (cells,)
+    omega: Array  # Omega [-], (cells,)
+    # the structures at all places of a unit; they have the rotations of `structure`,
     # which are computed once
-    sharers: tuple[RockingParameters, ...]
-
-    @property
-    def size(self) -> int:
-        """Number of cells."""
-        return self.shape[0] * self.shape[1]
-
-    def cells(self) -> Array:
-        """Return A and Omega of each cell, (2, cells)."""
-        return np.stack(
-            [
-                np.broadcast_to(x, self.shape).ravel()
-                for x in (self.amplitude, self.omega)
-            ]
-        )
-
-
-class SceneCell(NamedTuple):
-    """One cell of a scene."""
-
-    structure: RockingParameters  # the one that rocks
-    motion: Motion  # the ground motion
-    amplitude: float  # A [-]
-    omega: float  # Omega [-]
+    sharers: tuple[RockingParameters, ...] = ()
 
 
 class Scene(ABC):
@@ -109,9 +85,9 @@ class Scene(ABC):
         """Groups of places of the first dimension that are computed together, once."""
 
     @abstractmethod
-    def bands(self, unit: Unit, size: tuple[int, int]) -> Iterator[CellBand]:
-        """Yield the parts of a unit that have one structure each, in the order of their
-        rows; size: (rows, columns) of the unit.
+    def cells_of(self, unit: Unit, size: tuple[int, int]) -> Iterator[SceneCells]:
+        """Yield the cells of a unit, row by row, those of each structure together;
+        size: (rows, columns) of the unit.
         """
 
     @abstractmethod
@@ -126,12 +102,9 @@ class Scene(ABC):
         slides = any(friction_that_slides(s) is not None for s in self.structures)
         return ("slide",) * slides
 
-    def cell(self, place: int, row: int, column: int) -> SceneCell:
+    def cell(self, place: int, row: int, column: int) -> SceneCells:
         """Return the cell at these indices on the three dimensions."""
-        (band,) = self.bands(Unit((place,), row, column), (1, 1))
-        return SceneCell(
-            band.structure, band.motion, band.amplitude.item(), band.omega.item()
-        )
+        return next(self.cells_of(Unit((place,), row, column), (1, 1)))
 
     def identity(self) -> dict[str, Any]:
         """Return the input of the result by name, as JSON values; two scenes of equal
@@ -151,7 +124,7 @@ class Scene(ABC):
         """Return the scene with only the data that these units need."""
         return self
 
-    def judge_of(self, cell: SceneCell) -> Outcome | None:
+    def judge_of(self, cell: SceneCells) -> Outcome | None:
         """Return the outcome of a cell by the nonlinear equation; None if the scene
         does not compare the equations.
         """
@@ -243,17 +216,14 @@ class PulseScene(Scene):
     def title(self) -> str:
         return self.motion.name
 
-    def bands(self, unit: Unit, size: tuple[int, int]) -> Iterator[CellBand]:
-        structure = self.structures[unit.places[0]]
-        amplitude, omega = self.grid.scaled(structure)
-        columns = amplitude[unit.column : unit.column + size[1]]
+    def cells_of(self, unit: Unit, size: tuple[int, int]) -> Iterator[SceneCells]:
         sharers = tuple(self.structures[i] for i in unit.places)
-        yield CellBand(
-            structure,
+        amplitude, omega = self.grid.scaled(sharers[0])
+        yield SceneCells(
+            sharers[0],
             self.motion,
-            size,
-            columns,
-            omega[unit.row : unit.row + size[0], None],
+            np.tile(amplitude[unit.column : unit.column + size[1]], size[0]),
+            np.repeat(omega[unit.row : unit.row + size[0]], size[1]),
             sharers,
         )
 

@@ -428,26 +428,6 @@ def _units_of(scene: Scene, options: SweepOptions) -> list[Unit]:
     return list(cut_into_units(scene, chunk))
 
 
-@dataclass
-class _Totals:
-    """What the units of a shard add up to."""
-
-    outcomes: np.ndarray  # number of cells of each `Outcome`
-    differences: np.ndarray  # number of cells of each `Difference`
-    work: Work  # counts of the work on the computed cells
-    conditions: Conditions  # of the cells that stand
-    shared: int = 0  # cells that took the result of another structure
-
-    def add(self, unit: Unit, report: Report) -> None:
-        """Add the counts of a computed unit."""
-        self.work += report.work
-        self.outcomes += report.outcomes
-        self.differences += report.differences
-        self.conditions += report.conditions
-        places = len(unit.places)
-        self.shared += int(report.outcomes.sum()) // places * (places - 1)
-
-
 def _run(
     scene: Scene,
     options: SweepOptions,
@@ -468,42 +448,44 @@ def _run(
     verification = Verification(scene, check, chunk, todo)
     job = Job(scene, chunk, verification.wanted, convert, quantities)
 
-    counts = _Totals(
+    total = Report(
+        Work(),
         resumed.copy(),
         np.zeros(len(Difference), dtype=np.int64),
-        Work(),
         Conditions.of(np.zeros(0)),
     )
-    reports = unit_reports(job, todo, _crew(job, options, workers), verification)
-    for done, (unit, report) in enumerate(reports, 1 + len(units) - len(todo)):
-        with deferred():
-            keep(unit, report.data)
-        counts.add(unit, report)
-        if options.progress:
-            options.progress(done, len(units))
+    with _crew(job, options, workers) as (run, at_once):
+        reports = unit_reports(job, todo, run, at_once)
+        for done, (unit, report) in enumerate(reports, 1 + len(units) - len(todo)):
+            with deferred():
+                keep(unit, report.data)
+            verification.seen |= report.seen or {}
+            total += report
+            if options.progress:
+                options.progress(done, len(units))
+        verification.ask(run)
     check_for_a_stop()
     # cells of other shards
-    counts.outcomes[Outcome.NOT_COMPUTED] = scene.cells - counts.outcomes.sum()
+    total.outcomes[Outcome.NOT_COMPUTED] = scene.cells - total.outcomes.sum()
 
-    checked = verification.compared()
     return Summary(
         structures=len(scene.structures),
         cells=scene.cells,
         run_time=time.perf_counter() - began,
         workers=workers,
-        outcomes=_by_flag(counts.outcomes, Outcome),
-        work=counts.work,
-        shared_cells=counts.shared,
+        outcomes=_by_flag(total.outcomes, Outcome),
+        work=total.work,
+        shared_cells=total.shared,
         checked_by=CHECKED_BY,
         model=scene.method.model,
         records=scene.shape[0] if scene.of_records else 0,
         weighed=scene.weighed,
         differences=(
-            _by_flag(counts.differences, Difference) if "linear" in quantities else {}
+            _by_flag(total.differences, Difference) if "linear" in quantities else {}
         ),
         resumed_cells=int(resumed.sum()),
-        **checked,
-        **counts.conditions.bounds(tolerance_of(scene.method)),
+        **verification.compared(),
+        **total.conditions.bounds(tolerance_of(scene.method)),
     )
 
 

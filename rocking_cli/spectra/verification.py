@@ -1,10 +1,11 @@
 """Checks of a sweep: some cells computed again by the reference, and a comparison of
 the two equations.
 
-Half of the cells are drawn at random, half are those of high sensitivity: of 128 drawn
-cells the ones whose rotation differs most from that of the next cell of the grid. A
-single cell is of the latter, since it tells a rotation too. They depend on the scene
-and its shard alone, not on workers or units.
+Cells are drawn by chance, each with the next cell of the grid. Of the cells to check
+a quarter are those whose rotation differs most from that of the next cell. Half have
+another outcome than the next cell: a bound or a proof (Lemmas 6 to 8) ends nearly every
+cell, and there it decided by the least margin. The others lift off. They depend on the
+scene and its shard alone, not on workers or units.
 """
 
 import math
@@ -14,7 +15,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import partial
-from itertools import islice
+from itertools import chain, islice
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -24,22 +25,22 @@ from ..dynamics.method import Method
 from ..dynamics.outcome import Difference, Outcome, difference, falls
 from ..dynamics.response import response
 from ..structures.friction import friction_that_slides
-from ..structures.parameters import RockingParameters
 from .error_bound import tolerance_of
 from .scene import PulseScene, Scene, Unit
 
 CellPlace = tuple[int, int, int]  # (structure, row, column) of a cell
 
-_SEED = 20120924
-_CANDIDATES = 128  # candidates for the most sensitive cells
-_DRAWS = 20  # draws for each cell that is wanted: of many scenes half the cells lift
+_SEED = 2
+_LEAST = 256  # draws at the least
+# draws for each cell that is wanted: of many scenes half the cells lift, and of one in
+# twenty the next cell has another outcome
+_DRAWS = 32
 # numbers of cells of a sweep below which two or four are checked, for the time that
 # they take
 _SMALL, _MIDDLE = (1_000, 5_000)
 _CELLS = 64  # number of cells that are compared with the nonlinear equation
-_DRAWN = 512  # candidates for cells next to a boundary
+_DRAWN = 1024  # draws, among which cells next to a boundary are looked for
 _STRUCTURES = 4  # each structure costs a few further rounds
-_SEED_OF_VALIDITY = 20120925
 
 
 def default_check(scene: Scene) -> int:
@@ -51,75 +52,26 @@ def default_check(scene: Scene) -> int:
     return 8 if not scene.method.exact else max(8, min(64, scene.cells // 250_000))
 
 
-def sampled_cells(
-    scene: Scene,
-    check: int,
-    seed: int = _SEED,
-    share: float = 1.0,
-    there: Callable[[CellPlace], bool] = lambda place: True,
-) -> Array:
-    """Return (structure, row, column) of `check` cells, drawn by chance from all cells
-    that uplift. there: True for the cells to draw from, which are this share of all.
-    """
-    uplift: dict[int, float] = {}  # amplitude of uplift of each structure
-
-    def uplifts(at: CellPlace) -> bool:
-        cell = scene.cell(*at)
-        if friction_that_slides(cell.structure) is not None:
-            return False
-        key = id(cell.structure)
-        if key not in uplift:
-            uplift[key] = _uplift_amplitude(scene, cell.structure)
-        return cell.amplitude * cell.motion.largest > uplift[key]
-
-    count = math.ceil(_DRAWS * check / share)
-    drawn = filter(there, _drawn(scene, count, seed))
-    found = list(islice(filter(uplifts, drawn), check))
-    return np.array(found, dtype=np.int64).reshape(-1, 3)
-
-
-def _drawn(scene: Scene, count: int, seed: int) -> Iterator[CellPlace]:
-    """Yield the places of so many draws from all cells that are computed, each place
-    once; a small grid is drawn several times.
+def drawn_cells(scene: Scene, count: int, seed: int = _SEED) -> list[CellPlace]:
+    """Return the places of so many draws from all cells that are computed, each place
+    once.
     """
     _, rows, columns = scene.shape
     owners = [group[0] for group in scene.sharing()]
-    draw = _stream(seed)
+    draw = random.Random(seed).random
     places = (
-        (
-            owners[int(draw() * len(owners))],
-            int(draw() * rows),
-            int(draw() * columns),
-        )
+        (owners[int(draw() * len(owners))], int(draw() * rows), int(draw() * columns))
         for _ in range(count)
     )
-    once: set[CellPlace] = set()
-    for place in places:
-        if place not in once:
-            once.add(place)
-            yield place
+    return list(dict.fromkeys(places))
 
 
-def _stream(seed: int) -> Callable[[], float]:
-    """Return a function that draws numbers from 0 to 1: those of NumPy's `RandomState`,
-    whose stream never changes, without the import of `numpy.random`, which takes as
-    long as a sweep of a thousand cells.
-    """
-    state = [seed]  # of the Mersenne twister, by its first seeding
-    for i in range(1, 624):
-        state.append((1812433253 * (state[-1] ^ (state[-1] >> 30)) + i) % 2**32)
-    generator = random.Random()
-    generator.setstate((3, (*state, 624), None))
-    return generator.random
+class Seen(NamedTuple):
+    """What a sweep found at a cell."""
 
-
-def _uplift_amplitude(scene: Scene, structure: RockingParameters) -> float:
-    """Return the least amplitude that lifts a structure, in the unit of the cells."""
-    system = scene.method.system_of(structure)
-    held = 1.0
-    if system.devices is not None:
-        held = float(np.min(system.devices.held_at_first()))
-    return held * float(np.min(system.equation.uplift_amplitude))
+    outcome: int  # code of `Outcome`
+    theta_ratio: float  # largest |theta|/alpha [-]
+    condition: float  # of theta_ratio [-]
 
 
 class Answer(NamedTuple):
@@ -135,7 +87,8 @@ def reference(scene: Scene, place: CellPlace) -> Answer:
     march.
     """
     cell = scene.cell(*place)
-    outcome, theta = scene.method.reference_of(cell.structure)(*cell[1:])
+    numbers = cell.amplitude.item(), cell.omega.item()
+    outcome, theta = scene.method.reference_of(cell.structure)(cell.motion, *numbers)
     return Answer(
         outcome, theta, None if outcome == Outcome.FAILED else scene.judge_of(cell)
     )
@@ -151,60 +104,46 @@ class Verification:
     ) -> None:
         self.scene = scene
         self.chunk = chunk
-        # (outcome, theta/alpha, condition) that the sweep found at `wanted`
-        self.seen: dict[CellPlace, tuple[int, float, float]] = {}
-        # the places that are checked: True if one was chosen for its sensitivity, False
-        # if it was drawn by chance
+        # what the sweep found at `wanted`
+        self.seen: dict[CellPlace, Seen] = {}
+        # the places that are checked: True if one was chosen for its sensitivity
         self.sensitive: dict[CellPlace, bool] = {}
         self.answers: dict[CellPlace, Answer] = {}  # those that the reference found
         self.seconds = 0.0  # time that the checks took [s]
         with self._timed():
-            self._units = {(unit.places[0], unit.row, unit.column) for unit in units}
-            rows, columns = (
-                -(-n // c) for n, c in zip(scene.shape[1:], chunk, strict=True)
+            mine = {(unit.places[0], unit.row, unit.column) for unit in units}
+            _, rows, columns = scene.shape
+            every = (
+                len(scene.sharing()) * -(-rows // chunk[0]) * -(-columns // chunk[1])
             )
-            share = len(units) / (len(scene.sharing()) * rows * columns)
-            self.check = math.ceil(check * share)
-            self._drawn = self._cells_drawn(share) if self.check else []
-            pairs = self._pairs() if self.check else []
-            self._candidates = pairs  # cells, and the cells next to them
-            places = {*self._drawn, *(place for pair in pairs for place in pair)}
+            self.check = math.ceil(check * len(units) / every)
+            count = max(_LEAST, _DRAWS * self.check) * every // max(1, len(units))
+            # drawn cells of these units, and the cell next to each
+            self._pairs: list[tuple[CellPlace, CellPlace]] = []
+            for place in drawn_cells(scene, count if self.check else 0):
+                if self._unit_of(place) in mine:
+                    beside = self._beside(place)
+                    there = self._unit_of(beside) in mine
+                    self._pairs.append((place, beside if there else place))
             # the places of each unit whose results are needed, by its first cell
             self.wanted: dict[CellPlace, list[CellPlace]] = {}
-            for place in sorted(places):
+            for place in sorted({*chain.from_iterable(self._pairs)}):
                 self.wanted.setdefault(self._unit_of(place), []).append(place)
-
-    def _cells_drawn(self, share: float) -> list[CellPlace]:
-        """Return the cells that are drawn by chance, as many as are checked."""
-
-        def there(place: CellPlace) -> bool:
-            return self._unit_of(place) in self._units
-
-        found = sampled_cells(self.scene, self.check, share=share, there=there)
-        return [(i, row, column) for i, row, column in found.tolist()]
 
     def _unit_of(self, place: CellPlace) -> CellPlace:
         """Return the first cell of the unit that holds a place."""
         i, row, column = place
         return i, row - row % self.chunk[0], column - column % self.chunk[1]
 
-    def _pairs(self) -> list[tuple[CellPlace, CellPlace]]:
-        """Return candidates for the most sensitive cells, each with the next cell along
-        the last dimension, or along the second of a grid of one column.
+    def _beside(self, place: CellPlace) -> CellPlace:
+        """Return the next cell along the last dimension, or along the second of a grid
+        of one column.
         """
+        i, row, column = place
         _, rows, columns = self.scene.shape
-        pairs = []
-        for place in _drawn(self.scene, max(_CANDIDATES, self.check), _SEED + 1):
-            i, row, column = place
-            if columns > 1:
-                other = (i, row, column + 1 if column + 1 < columns else column - 1)
-            elif rows > 1:
-                other = (i, row + 1 if row + 1 < rows else row - 1, column)
-            else:
-                continue
-            if {self._unit_of(place), self._unit_of(other)} <= self._units:
-                pairs.append((place, other))
-        return pairs
+        if columns > 1:
+            return i, row, column + 1 if column + 1 < columns else column - 1
+        return i, row + 1 if row + 1 < rows else max(row - 1, 0), column
 
     @contextmanager
     def _timed(self) -> Iterator[None]:
@@ -218,35 +157,47 @@ class Verification:
         them by the reference.
         """
         with self._timed():
-            chosen = dict.fromkeys(self._most_sensitive(), True)
-            drawn = [place for place in self._drawn if place not in chosen]
-            drawn = drawn[: self.check - len(chosen)]
-            self.sensitive = dict.fromkeys(drawn, False) | chosen
+            sensitive = self._most_sensitive()
+            decided = islice(self._decided(), self.check // 2)
+            lifted = (place for place, _ in self._pairs if self._lifts(place))
+            places = dict.fromkeys(chain(sensitive, decided, lifted))
+            self.sensitive = {
+                place: place in sensitive for place in islice(places, self.check)
+            }
             self.answers = dict(zip(self.sensitive, run(self.sensitive), strict=True))
 
     def _most_sensitive(self) -> list[CellPlace]:
-        """Return half as many candidates as are checked, at least one: those whose
-        rotation differs most from that of the next cell.
+        """Return a quarter of the cells to check, at least one: those whose rotation
+        differs most from that of the next cell.
         """
-        changes: dict[CellPlace, float] = {}
-        for place, other in self._candidates:
-            (outcome, theta, _), (beside, next_theta, _) = (
-                self.seen[place],
-                self.seen[other],
-            )
-            if outcome == beside == Outcome.ROCKED:
-                changes[place] = abs(theta - next_theta)
+        changes = {}
+        for place, beside in self._pairs:
+            one, other = self.seen[place], self.seen[beside]
+            if one.outcome == other.outcome == Outcome.ROCKED and place != beside:
+                changes[place] = abs(one.theta_ratio - other.theta_ratio)
         order = sorted(changes, key=lambda place: -changes[place])
-        return order[: max(1, self.check // 2)]
+        return order[: max(1, self.check // 4)]
+
+    def _decided(self) -> Iterator[CellPlace]:
+        """Yield one of each two cells whose outcomes differ, in turn the one that
+        stands, if only one does, and the other one.
+        """
+        found = 0
+        for pair in self._pairs:
+            one, other = (self.seen[place].outcome for place in pair)
+            if one != other and all(map(self._lifts, pair)):
+                yield pair[(found + int(falls(one))) % 2]
+                found += 1
+
+    def _lifts(self, place: CellPlace) -> bool:
+        """True for a cell whose body leaves the ground, and does not slide."""
+        return (
+            self.seen[place].outcome != Outcome.NO_UPLIFT
+            and friction_that_slides(self.scene.cell(*place).structure) is None
+        )
 
     def compared(self) -> Mapping[str, Any]:
         """Return the result of the comparison, by the fields of `Summary`."""
-        with self._timed():
-            found = self._compared()
-        return {**found, "check_time": self.seconds}
-
-    def _compared(self) -> dict[str, Any]:
-        """Return the fields of the comparison without its time."""
         # Answers that the reference has, those with the outcome of the sweep, and by
         # how much theta/alpha of these differs.
         known = {
@@ -255,16 +206,13 @@ class Verification:
             if answer.outcome != Outcome.FAILED
         }
         same = {
-            place: answer
+            place: abs(answer.theta_ratio - self.seen[place].theta_ratio)
             for place, answer in known.items()
-            if answer.outcome == self.seen[place][0]
+            if answer.outcome == self.seen[place].outcome
         }
-        apart = {
-            place: abs(a.theta_ratio - self.seen[place][1])
-            for place, a in same.items()
-            if np.isfinite(a.theta_ratio)
-        }
+        apart = {place: far for place, far in same.items() if np.isfinite(far)}
         judged = [(a.outcome, a.judged) for a in known.values() if a.judged is not None]
+        tolerance = tolerance_of(self.scene.method)
         return {
             "largest_difference": max(apart.values(), default=0.0),
             "misjudged": len(known) - len(same),
@@ -274,15 +222,13 @@ class Verification:
             "differing": sum(
                 one.overturned != other.overturned for one, other in judged
             ),
+            # a condition of NaN bounds nothing
             "beyond_tolerance": sum(
-                self._unexplained(place, far) for place, far in apart.items()
+                not far <= tolerance * self.seen[place].condition
+                for place, far in apart.items()
             ),
+            "check_time": self.seconds,
         }
-
-    def _unexplained(self, place: CellPlace, apart: float) -> bool:
-        """True if a difference of theta/alpha exceeds the bound of the cell."""
-        bound = tolerance_of(self.scene.method) * self.seen[place][2]
-        return not apart <= bound
 
 
 @dataclass(frozen=True)
@@ -325,11 +271,11 @@ def validity(scene: Scene, tolerance: float = 1e-6) -> Validity | None:
 
 
 def _differences(scene: PulseScene, nonlinear: Method, count: int) -> Array:
-    """Return the `Difference` of up to `count` cells of one structure: half drawn, half
-    with another outcome at the next amplitude.
+    """Return the `Difference` of up to `count` cells of one structure that lift: half
+    drawn, half with another outcome at the next amplitude.
     """
     (structure,) = scene.structures
-    drawn = sampled_cells(scene, _DRAWN, _SEED_OF_VALIDITY)[:, 1:]
+    drawn = np.array(drawn_cells(scene, _DRAWN))[:, 1:]
     amplitude, omega = scene.grid.scaled(structure)
     neighbours = np.stack(
         [drawn[:, 1], np.minimum(drawn[:, 1] + 1, amplitude.size - 1)]
@@ -341,8 +287,10 @@ def _differences(scene: PulseScene, nonlinear: Method, count: int) -> Array:
         omega=omega[drawn[:, 0]],
     ).outcome
     changes = falls(linear[0]) != falls(linear[1])
-    near = np.flatnonzero(changes)[: count // 2]
-    at = np.append(near, np.setdiff1d(np.arange(len(drawn)), near)[: count - near.size])
+    lifts = linear[0] != Outcome.NO_UPLIFT
+    near = np.flatnonzero(changes & lifts)[: count // 2]
+    others = np.setdiff1d(np.flatnonzero(lifts), near)
+    at = np.append(near, others[: count - near.size])
     decided = respond(
         nonlinear.system_of(structure),
         amplitude=amplitude[drawn[at, 1]],

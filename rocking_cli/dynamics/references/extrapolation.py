@@ -4,6 +4,7 @@ and Wanner, Solving Ordinary Differential Equations I, II.9).
 SciPy's solvers take longer to import than a small sweep takes.
 """
 
+import math
 from collections.abc import Callable
 from contextlib import suppress
 from typing import NamedTuple
@@ -15,7 +16,7 @@ Slopes = Callable[[float, float, float], tuple[float, float]]
 _PARTS = (2, 4, 6, 8, 10, 12, 14, 16)
 # difference of the last two extrapolations over the state; the error of the last one is
 # (length/2)^2 times as large
-_TOLERANCE = 1e-12
+_TOLERANCE = 1e-14
 # difference that is always accepted, over the critical angle: a force that hardly lifts
 # a body is a difference of terms of the order of this angle
 _LEAST = 1e-15
@@ -192,7 +193,13 @@ def passes(
     """
     rate = flow.rate
     low, high = 0.0, end.time - start.time
-    length, there = high, end
+    # First a parabola through both ends, with the slope of the start.
+    first, last = (sense * (one[which] - level) for one in (start, end))
+    slope = sense * rate(*start)[which - 1] * high
+    bend = first + slope - last
+    root = math.sqrt(max(0.0, slope * slope + 4.0 * bend * first))
+    length = high * min(1.0, 0.5 * (slope + root) / bend) if bend > 0.0 else high
+    there = flow.step(start, length) or end
     for _ in range(_ROUNDS):
         value = sense * (there[which] - level)
         slope = sense * rate(*there)[which - 1]

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from functools import lru_cache
+from functools import cache, lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -14,9 +14,8 @@ import numpy as np
 if TYPE_CHECKING:
     from ...structures.mechanics.kinematics import Mechanism
 
-_NODES = 10  # of the polynomial of a panel, whose ends are the middle two
-_PANELS = 96  # between rest and alpha
-_BELOW, _REACH = -0.5, 5.0  # the first and last rotation of a panel, over alpha
+_PANELS = 16  # between rest and alpha
+_NODES = np.cos(np.pi * (np.arange(14) + 0.5) / 14)  # of a panel, from -1 to 1
 # difference of a polynomial from the linkage in the middle of its panel, over the
 # value at rest
 _CLOSE = 1e-13
@@ -41,27 +40,24 @@ def tabulated(mechanism: Mechanism, alpha: float) -> Functions:
             return np.stack([1.0 / root, c.lift / moment, c.push / moment], axis=-1)
 
     width = alpha / _PANELS
-    first = math.floor(_BELOW * _PANELS)
-    last = math.floor(min(_REACH * alpha, mechanism.reach) / width)
-    half = _NODES // 2
-    known = exactly(width * np.arange(first - half + 1, last + half))
-    windows = np.lib.stride_tricks.sliding_window_view(known, _NODES, axis=0)
-    places = np.linspace(1 - _NODES, _NODES - 1, _NODES)  # of the nodes, over width/2
-    with np.errstate(all="ignore"):
-        terms = np.linalg.solve(np.vander(places), windows.swapaxes(1, 2))
-        apart = np.abs(terms[:, -1] - exactly(width * (np.arange(first, last) + 0.5)))
-        close = np.all(apart <= _CLOSE * exactly(np.zeros(())), axis=-1)
-    panels = dict(
-        zip(np.flatnonzero(close).tolist(), terms[close].tolist(), strict=True)
-    )
+    powers = np.vander(_NODES)
+
+    @cache
+    def panel(place: int) -> list[list[float]] | None:
+        known = exactly(width * (place + 0.5 + 0.5 * np.append(_NODES, 0.0)))
+        terms = np.linalg.solve(powers, known[:-1])
+        apart = np.abs(terms[-1] - known[-1])
+        close = np.all(apart <= _CLOSE * exactly(np.zeros(())))
+        return terms.tolist() if close else None
 
     def functions(theta: float) -> tuple[float, float, float]:
-        place = math.floor(theta / width) - first
-        if place not in panels:
+        place = math.floor(theta / width)
+        terms = panel(place)
+        if terms is None:
             return tuple(exactly(np.array(theta)).tolist())
-        x = 2.0 * (theta / width - first - place) - 1.0
+        x = 2.0 * (theta / width - place) - 1.0
         a = b = c = 0.0
-        for i, j, k in panels[place]:
+        for i, j, k in terms:
             a, b, c = a * x + i, b * x + j, c * x + k
         return a, b, c
 

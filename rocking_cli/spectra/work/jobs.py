@@ -9,7 +9,7 @@ from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass
 from functools import cached_property, partial
-from itertools import chain, repeat
+from itertools import chain
 from typing import Any
 
 import numpy as np
@@ -26,13 +26,12 @@ from ...dynamics.response import (
     response_with_speed,
 )
 from ...dynamics.system import System
-from ...motions import Motion
 from ...processes import Runner, processes
 from ...structures.friction import friction_that_slides
 from ...structures.parameters import RockingParameters
 from ..error_bound import Conditions
-from ..scene import CellBand, Scene, Unit
-from ..verification import Answer, CellPlace, Verification, reference
+from ..scene import Scene, SceneCells, Unit
+from ..verification import Answer, CellPlace, Seen, reference
 
 TOGETHER = 1 << 19  # cells that a worker computes in one batch
 
@@ -40,23 +39,33 @@ Item = list[Unit] | CellPlace
 """A batch of units, or a cell for the reference."""
 
 
+CellValues = dict[str, np.ndarray]
+"""The variables of cells by name."""
+
+
 @dataclass(frozen=True)
 class Report:
-    """The result of a unit. The work of units that ran together is counted with the
-    first of them.
+    """The result of a unit, or of several added up. The work of units that ran together
+    is counted with the first of them.
     """
 
-    data: tuple[Any, ...]  # its data at each place, converted
     work: Work  # counters over all places
     outcomes: np.ndarray  # number of cells of each outcome, over all places
     differences: np.ndarray  # number of cells of each `Difference`, over all places
     conditions: Conditions  # of the cells that stand, over all places
-    # (outcome, theta/alpha, condition) of its cells that the verification needs
-    seen: Mapping[CellPlace, tuple[int, float, float]]
+    shared: int = 0  # cells that took the result of another structure
+    data: tuple[Any, ...] = ()  # of one unit: its data at each place, converted
+    # of one unit: what was found at its cells that the verification needs
+    seen: Mapping[CellPlace, Seen] | None = None
 
-
-CellValues = dict[str, np.ndarray]
-"""The variables of cells by name."""
+    def __add__(self, other: "Report") -> "Report":
+        return Report(
+            self.work + other.work,
+            self.outcomes + other.outcomes,
+            self.differences + other.differences,
+            self.conditions + other.conditions,
+            self.shared + other.shared,
+        )
 
 
 @dataclass(frozen=True)
@@ -114,239 +123,195 @@ class Job:
         return self.run(item) if isinstance(item, list) else reference(self.scene, item)
 
     def run(self, units: Sequence[Unit]) -> list[Report]:
-        """Compute some units. Bands of one system under one motion, or under records
-        that chain, form one batch.
+        """Compute some units. Cells of one system under one motion, or under records
+        that chain, share a run of the march.
         """
-        bands = [self._bands(unit) for unit in units]
-        # Bands that one run can compute together, by motion and system.
-        batches: dict[Any, list[CellBand]] = {}
-        found: dict[int, list[CellValues]] = {}
-        for band in chain.from_iterable(bands):
-            if friction_that_slides(band.structure) is not None:
-                from .sliding_cells import sliding_block
-
-                found[id(band)] = [
-                    sliding_block(s, band, self.quantities) for s in band.sharers
-                ]
-                continue
-            batches.setdefault(self._batch_of(band), []).append(band)
-        work = Work()
-        for (motion, _), batch in batches.items():
-            blocks, own = self._batch_blocks(batch, shared=motion is None)
-            found |= blocks
+        parts = [list(self.scene.cells_of(unit, self._size(unit))) for unit in units]
+        runs: dict[Hashable, list[SceneCells]] = {}
+        for cells in chain.from_iterable(parts):
+            runs.setdefault(self._run_of(cells), []).append(cells)
+        work, found = Work(), dict[int, list[CellValues]]()
+        for some in runs.values():
+            values, own = self._computed(some)
+            found |= dict(zip(map(id, some), values, strict=True))
             work += own
-        # The first unit reports the work of all.
-        works = chain([work], repeat(Work()))
-        return [
-            self.report(unit, [found[id(band)] for band in own], w)
-            for unit, own, w in zip(units, bands, works, strict=False)
-        ]
+        reports = []
+        for unit, some in zip(units, parts, strict=True):
+            blocks = zip(*(found[id(cells)] for cells in some), strict=True)
+            # The first unit reports the work of all.
+            reports.append(self._report(unit, list(map(_joined, blocks)), work))
+            work = Work()
+        return reports
 
-    def _bands(self, unit: Unit) -> list[CellBand]:
-        """Return the bands of a unit, in the order of their rows."""
+    def _size(self, unit: Unit) -> tuple[int, int]:
+        """Return (rows, columns) of a unit."""
         _, rows, columns = self.scene.shape
-        size = (
+        return (
             min(self.chunk[0], rows - unit.row),
             min(self.chunk[1], columns - unit.column),
         )
-        return list(self.scene.bands(unit, size))
 
-    def _batch_of(self, band: CellBand) -> tuple[int | None, Any]:
-        """Return a key of the batch of a band: (its motion, None if cells under other
-        records share the run; what its structure runs with).
-        """
-        shared = self.shares_records and can_share_records(
-            self.scene.system_of(band.structure), band.motion
-        )
-        return None if shared else id(band.motion), self._key(band.structure)
+    def _run_of(self, cells: SceneCells) -> Hashable:
+        """Return a key: cells of equal keys share a run."""
+        if friction_that_slides(cells.structure) is not None:
+            return id(cells)
+        motion = None if self._chains(cells) else id(cells.motion)
+        return motion, self._key(cells.structure)
 
-    def _batch_blocks(
-        self, batch: Sequence[CellBand], shared: bool
-    ) -> tuple[dict[int, list[CellValues]], Work]:
-        """Return (the blocks of the structures of each band, by the id of the band; the
-        work) of a batch; shared: True if it is under several records.
+    def _chains(self, cells: SceneCells) -> bool:
+        """True if cells under other records share their run."""
+        system = self.scene.system_of(cells.structure)
+        return self.shares_records and can_share_records(system, cells.motion)
+
+    def _computed(
+        self, run: Sequence[SceneCells]
+    ) -> tuple[list[list[CellValues]], Work]:
+        """Return (for all cells of a run the variables of each structure that shares
+        them; the work).
         """
-        cells = np.concatenate([band.cells() for band in batch], axis=1)
-        compute = self.under_records if shared else self.together_of
-        whole, work = compute(batch, cells)
+        first = run[0]
+        if friction_that_slides(first.structure) is not None:
+            from .sliding_cells import sliding_block
+
+            slides = [sliding_block(s, first, self.quantities) for s in first.sharers]
+            return [slides], Work()
+        chains = self._chains(first)
+        amplitude = np.concatenate([cells.amplitude for cells in run])
+        omega = np.concatenate([cells.omega for cells in run])
+        compute = self._under_records if chains else self._under_one_motion
+        whole, work = compute(run, amplitude, omega)
         if "slide" in self.quantities:  # a body that rocks does not slide
-            whole["slide_max"] = np.full(cells.shape[1], np.nan)
-        found, last = {}, 0
-        for band in batch:
-            first, last = last, last + band.size
-            block = {
-                name: x[first:last].reshape(band.shape) for name, x in whole.items()
-            }
-            found[id(band)] = [block] * len(band.sharers)
-            if shared or self.scene.method.exact:
-                found[id(band)] = [
-                    self._standing(s, band.motion, cells[:, first:last], block)
-                    for s in band.sharers
-                ]
-        return found, work
+            whole["slide_max"] = np.full(omega.size, np.nan)
+        ends = np.cumsum([x.omega.size for x in run])[:-1]
+        blocks = zip(*(np.split(x, ends) for x in whole.values()), strict=True)
+        values = [dict(zip(whole, block, strict=True)) for block in blocks]
+        tested = not (chains or self.scene.method.exact)  # for lost contact, by the run
+        return [
+            [x if tested else self._standing(s, cells, x) for s in cells.sharers]
+            for x, cells in zip(values, run, strict=True)
+        ], work
 
-    def under_records(
-        self, batch: Sequence[CellBand], cells: np.ndarray
+    def _under_records(
+        self, run: Sequence[SceneCells], amplitude: np.ndarray, omega: np.ndarray
     ) -> tuple[CellValues, Work]:
-        """Return (the variables of all cells (A, Omega), the work) for bands of
-        one system under several records.
+        """Return (the variables of all cells, the work) of one system under several
+        records.
         """
-        counts = [band.size for band in batch]
-        structures = [band.structure for band in batch]
-        systems = [self.scene.system_of(s) for s in structures]
-        system = System.of_each_cell(systems, counts)._replace(body=None)
-        numbers: dict[int, int] = {}
+        system, alpha = self._system(run, self.scene.system_of)
+        motions = {id(cells.motion): cells.motion for cells in run}
+        numbers = {key: i for i, key in enumerate(motions)}
         which = np.repeat(
-            [numbers.setdefault(id(band.motion), len(numbers)) for band in batch],
-            counts,
+            [numbers[id(x.motion)] for x in run], [x.omega.size for x in run]
         )
-        records = list({id(band.motion): band.motion for band in batch}.values())
-        got, rate = response_under_records(system, records, which, *cells)
-        rate *= np.repeat([s.alpha for s in structures], counts)
-        return {
-            "theta_ratio": got.theta_ratio,
-            "outcome": got.outcome,
-            "impacts_at_least": got.impacts_at_least,
-            "condition": got.condition,
-            "velocity_ratio": rate,
-        }, got.work
+        got, rate = response_under_records(
+            system._replace(body=None), list(motions.values()), which, amplitude, omega
+        )
+        return {**_variables(got), "velocity_ratio": rate * alpha}, got.work
 
-    def together_of(
-        self, batch: Sequence[CellBand], cells: np.ndarray
+    def _under_one_motion(
+        self, run: Sequence[SceneCells], amplitude: np.ndarray, omega: np.ndarray
     ) -> tuple[CellValues, Work]:
-        """Return (the variables of all cells (A, Omega), the work) for bands under
-        one motion.
+        """Return (the variables of all cells, the work) of one system under one
+        motion.
         """
-        method, motion = self.scene.method, batch[0].motion
-        counts, structures = [b.size for b in batch], [b.structure for b in batch]
-        systems = [self.scene.system_of(s) for s in structures]
-        system = System.of_each_cell(systems, counts)
+        method, motion = self.scene.method, run[0].motion
+        system, alpha = self._system(run, self.scene.system_of)
         extra: CellValues = {}
         if "velocity_ratio" in self.quantities:
-            got, rate = response_with_speed(system, motion, *cells)
-            extra["velocity_ratio"] = rate * np.repeat(
-                [s.alpha for s in structures], counts
-            )
+            got, rate = response_with_speed(system, motion, amplitude, omega)
+            extra["velocity_ratio"] = rate * alpha
         elif self.one_by_one:
-            parts = np.split(cells, np.cumsum(counts)[:-1], axis=1)
             got = Response.joined(
                 [
-                    response(method.system_of(s), motion, *own, how="floats")
-                    for s, own in zip(structures, parts, strict=True)
+                    response(method.system_of(s), motion, a, w, how="floats")
+                    for s, _, a, w, _ in run
                 ]
             )
         else:
-            got = response(system, motion, *cells)
+            got = response(system, motion, amplitude, omega)
         if "linear" in self.quantities:
-            systems = [LINEAR.system_of(s) for s in structures]
-            linear = response(System.of_each_cell(systems, counts), motion, *cells)
+            system, _ = self._system(run, LINEAR.system_of)
+            linear = response(system, motion, amplitude, omega)
             extra |= {
                 "theta_ratio_linear": linear.theta_ratio,
                 "outcome_linear": linear.outcome,
+                "difference": difference(got.outcome, linear.outcome),
             }
-            extra["difference"] = difference(got.outcome, linear.outcome)
-        return {
-            "theta_ratio": got.theta_ratio,
-            "outcome": got.outcome,
-            "impacts_at_least": got.impacts_at_least,
-            "condition": got.condition,
-            **extra,
-        }, got.work
+        return {**_variables(got), **extra}, got.work
+
+    @staticmethod
+    def _system(
+        run: Sequence[SceneCells], system_of: Callable[[RockingParameters], System]
+    ) -> tuple[System, np.ndarray]:
+        """Return (the system of all cells of a run, alpha of each [rad])."""
+        counts = [cells.omega.size for cells in run]
+        systems = [system_of(cells.structure) for cells in run]
+        alpha = np.repeat([cells.structure.alpha for cells in run], counts)
+        return System.of_each_cell(systems, counts), alpha
 
     def _standing(
-        self,
-        structure: RockingParameters,
-        motion: Motion,
-        cells: np.ndarray,
-        block: CellValues,
+        self, structure: RockingParameters, cells: SceneCells, block: CellValues
     ) -> CellValues:
         """Return the block of one structure among those that share rotations, with the
         lost contact of this structure.
         """
-        doubtful = block["outcome"].ravel() == Outcome.ROCKED
-        system = self.scene.method.system_of(structure)
-        theta_ratio, fastest = (
-            block[name].ravel() if name in block else None
-            for name in ("theta_ratio", "velocity_ratio")
-        )
         lost = cells_that_lose_contact(
-            system,
-            motion,
-            (cells[0], cells[1]),
-            doubtful,
-            theta_ratio,
-            fastest,
+            self.scene.method.system_of(structure),
+            cells.motion,
+            (cells.amplitude, cells.omega),
+            block["outcome"] == Outcome.ROCKED,
+            block["theta_ratio"],
+            block.get("velocity_ratio"),
         )
         if lost.size:
             block = {name: x.copy() for name, x in block.items()}
-            block["outcome"].flat[lost] = Outcome.LOST_CONTACT
+            block["outcome"][lost] = Outcome.LOST_CONTACT
             for name in {"theta_ratio", "velocity_ratio", "condition"} & block.keys():
-                block[name].flat[lost] = np.nan
+                block[name][lost] = np.nan
         return block
 
-    def report(
-        self, unit: Unit, bands: Sequence[Sequence[CellValues]], work: Work
-    ) -> Report:
-        """Return the report of a unit, from the block of each of its bands at all
-        places of the unit.
-        """
-        places = [_joined(blocks) for blocks in zip(*bands, strict=True)]
-        data = {
-            key: self.convert(block) if self.convert else block
-            for key, block in {id(x): x for x in places}.items()
-        }
-        outcomes = np.sum(
-            [
-                np.bincount(block["outcome"].ravel(), minlength=len(Outcome))
-                for block in places
-            ],
-            axis=0,
-        )
-        differences = np.bincount(
-            places[0].get("difference", np.zeros(0, np.uint8)).ravel(),
-            minlength=len(Difference),
-        )
+    def _report(self, unit: Unit, places: Sequence[CellValues], work: Work) -> Report:
+        """Return the report of a unit, from its cells at all its places."""
+        size, data = self._size(unit), {}
+        for cells in {id(x): x for x in places}.values():
+            block = {name: x.reshape(size) for name, x in cells.items()}
+            data[id(cells)] = self.convert(block) if self.convert else block
+        wanted = self.wanted.get((unit.places[0], unit.row, unit.column), ())
+        seen = {}
+        for place in wanted:
+            at = (place[1] - unit.row) * size[1] + place[2] - unit.column
+            names = "outcome", "theta_ratio", "condition"
+            seen[place] = Seen(*(places[0][name][at].item() for name in names))
+        differs = places[0].get("difference", np.zeros(0, np.uint8))
         return Report(
-            tuple(data[id(x)] for x in places),
             work,
-            outcomes,
-            len(places) * differences,
+            np.sum(
+                [np.bincount(x["outcome"], minlength=len(Outcome)) for x in places],
+                axis=0,
+            ),
+            len(places) * np.bincount(differs, minlength=len(Difference)),
             sum(
-                (Conditions.of(block["condition"]) for block in places[1:]),
+                (Conditions.of(x["condition"]) for x in places[1:]),
                 Conditions.of(places[0]["condition"]),
             ),
-            self.seen(unit, places[0]),
+            size[0] * size[1] * (len(places) - 1),
+            tuple(data[id(x)] for x in places),
+            seen,
         )
 
-    def seen(
-        self, unit: Unit, block: CellValues
-    ) -> dict[CellPlace, tuple[int, float, float]]:
-        """Return outcome, theta/alpha and condition of the cells of this unit that the
-        verification needs.
-        """
-        found = {}
-        for place in self.wanted.get((unit.places[0], unit.row, unit.column), ()):
-            at = place[1] - unit.row, place[2] - unit.column
-            found[place] = (
-                int(block["outcome"][at]),
-                float(block["theta_ratio"][at]),
-                float(block["condition"][at]),
-            )
-        return found
+
+def _variables(of: Response) -> CellValues:
+    """Return the variables that every cell has."""
+    return {name: x for name, x in of._asdict().items() if name != "work"}
 
 
 def _joined(blocks: Sequence[CellValues]) -> CellValues:
-    """Join the rows of several blocks to one block; a single block is returned itself,
-    since several places often share it.
+    """Join the cells of several blocks; a single block is returned itself, since
+    several places often share it.
     """
-    return (
-        blocks[0]
-        if len(blocks) == 1
-        else {
-            name: np.concatenate([block[name] for block in blocks])
-            for name in blocks[0]
-        }
-    )
+    if len(blocks) == 1:
+        return blocks[0]
+    return {name: np.concatenate([x[name] for x in blocks]) for name in blocks[0]}
 
 
 Crew = AbstractContextManager[tuple[Runner, int]]
@@ -370,16 +335,10 @@ def local_crew(job: Job, workers: int) -> Iterator[tuple[Runner, int]]:
 
 
 def unit_reports(
-    job: Job, units: Sequence[Unit], crew: Crew, verification: Verification
+    job: Job, units: Sequence[Unit], run: Runner, at_once: int
 ) -> Iterator[tuple[Unit, Report]]:
-    """Yield the reports of the units, in their order; after the last one `verification`
-    has all its answers.
-    """
-    with crew as (run, at_once):
-        size = max(1, min(job.together, -(-len(units) // at_once)))
-        batches = [list(units[i : i + size]) for i in range(0, len(units), size)]
-        for batch, reports in zip(batches, run(batches), strict=True):
-            for unit, report in zip(batch, reports, strict=True):
-                verification.seen |= report.seen
-                yield unit, report
-        verification.ask(run)
+    """Yield the reports of the units, in their order, by a crew (see `Crew`)."""
+    size = max(1, min(job.together, -(-len(units) // at_once)))
+    batches = [list(units[i : i + size]) for i in range(0, len(units), size)]
+    for batch, reports in zip(batches, run(batches), strict=True):
+        yield from zip(batch, reports, strict=True)

@@ -14,39 +14,37 @@ from ...dynamics.sliding import Base
 from ...structures.friction import friction_that_slides
 from ...structures.parameters import RockingParameters
 from ..dimensions import QUANTITIES
-from ..scene import CellBand
+from ..scene import SceneCells
 
 
 def sliding_block(
-    structure: RockingParameters, band: CellBand, quantities: Sequence[str]
+    structure: RockingParameters, cells: SceneCells, quantities: Sequence[str]
 ) -> dict[str, Array]:
-    """Return the variables of the cells of a band for a structure that slides; its
+    """Return the variables of these cells, (cells,), for a structure that slides; its
     theta_ratio is 0, and NaN where contact is lost, as slide_max is. quantities: names
     of those of `QUANTITIES` that are wanted.
     """
     friction = friction_that_slides(structure)
     assert friction is not None  # the caller says so
-    base = Base(band.motion, friction)
-    cells = [np.broadcast_to(x, band.shape) for x in (band.amplitude, band.omega)]
-    peaks, place = np.unique(cells[0], return_inverse=True)
+    base = Base(cells.motion, friction)
+    peaks, place = np.unique(cells.amplitude, return_inverse=True)
     a_g = np.asarray(structure.ground_acceleration(peaks), dtype=float)
     with np.errstate(divide="ignore"):
         found = [base.under(ratio) for ratio in (structure.gravity / a_g).tolist()]
-    place = place.reshape(band.shape)
     outcome = np.array([one.outcome for one in found], dtype=np.uint8)[place]
     largest = np.array([one.largest for one in found])
-    length = (a_g * largest)[place] / (cells[1] * structure.p) ** 2
+    length = (a_g * largest)[place] / (cells.omega * structure.p) ** 2
     lost = outcome == Outcome.LOST_CONTACT
     still = np.where(lost, np.nan, 0.0)
     every = {
         "theta_ratio": still,
         "outcome": outcome,
-        "impacts_at_least": np.zeros(band.shape, dtype=np.int32),
+        "impacts_at_least": np.zeros(place.shape, dtype=np.int32),
         "velocity_ratio": still,
-        "condition": np.full(band.shape, np.nan),
+        "condition": np.full(place.shape, np.nan),
         "theta_ratio_linear": still,
         "outcome_linear": outcome,
-        "difference": np.full(band.shape, Difference.AGREES, dtype=np.uint8),
+        "difference": np.full(place.shape, Difference.AGREES, dtype=np.uint8),
         "slide_max": np.where(lost, np.nan, length),
     }
     wanted = {name for key in quantities for name in QUANTITIES[key]} | {"condition"}
