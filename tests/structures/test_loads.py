@@ -9,6 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from oracles.mechanism_pulse import OneWay, Part, peak
+from support.bodies import rotation_under
 from support.documents import built
 from support.refusals import refuses
 
@@ -23,8 +24,6 @@ from rocking_cli import (
     time_history,
 )
 from rocking_cli.dynamics.method import Method
-from rocking_cli.dynamics.outcome import Outcome
-from rocking_cli.dynamics.response import response
 from rocking_cli.motions.biaxial import with_vertical
 from rocking_cli.structures.kinds import sketch_of
 from rocking_cli.structures.shared_keys import weight_of_loads
@@ -43,21 +42,6 @@ def numbers(structure):
         (x.uplift, x.alpha, x.p, x.a_scale, x.eta)
         for x in structure.sides or (structure,)
     ]
-
-
-def ratio(structure, a_g, period):
-    """theta/alpha under one cycle of a sine, None if the body overturns."""
-    motion = sine() if a_g > 0.0 else sine().scaled(-1.0)
-    found = response(
-        Method("nonlinear", 1e-12).system_of(structure),
-        motion,
-        np.array([structure.dimensionless_amplitude(abs(a_g))]),
-        np.array([2.0 * math.pi / period / structure.p]),
-        structure.eta,
-    )
-    if Outcome(int(found.outcome[0])).overturned:
-        return None
-    return float(found.theta_ratio[0])
 
 
 # an independent program, 2026, block_floor_centre, block_weight_only and block_carried
@@ -118,7 +102,7 @@ def test_the_parameters_are_those_of_an_independent_program(load):
 def test_the_motion_is_that_of_an_independent_program(
     inertia, at, weight, a_g, period, wanted
 ):
-    found = ratio(loaded(inertia, at, weight), a_g, period)
+    found = rotation_under(loaded(inertia, at, weight), a_g, period)
     assert found == (wanted if wanted is None else pytest.approx(wanted, abs=1e-8))
 
 
@@ -177,7 +161,7 @@ def test_the_motion_is_that_of_differences_of_places(inertia, a_g):
     left, right = structure.sides
     eta = {1: right.eta, -1: left.eta}
     wanted = peak(sides, eta, a_g, 0.7)
-    found = ratio(structure, a_g, 0.7)
+    found = rotation_under(structure, a_g, 0.7)
     assert found == (wanted if wanted is None else pytest.approx(wanted, abs=1e-7))
 
 
@@ -193,7 +177,7 @@ def test_a_load_without_weight_is_no_load(inertia):
     assert other.first_overturning_a == pytest.approx(
         one.first_overturning_a, rel=1e-10
     )
-    ratios = [ratio(body, 3.3, 0.8) for body in (bare, light)]
+    ratios = [rotation_under(body, 3.3, 0.8) for body in (bare, light)]
     assert ratios[1] == pytest.approx(ratios[0], abs=1e-10)
 
 

@@ -14,6 +14,7 @@ from rocking_cli import (
     LinearEquation,
     Method,
     Motion,
+    Outcome,
     RigidBodyEquation,
     RockingParameters,
     System,
@@ -21,6 +22,7 @@ from rocking_cli import (
     load_structures,
     parse_grid,
     pulse,
+    response,
     sine,
     time_history,
 )
@@ -159,6 +161,31 @@ def shaking_of(
 ) -> Shaking:
     """The same of a body's A and Omega."""
     return shaking(motion, float(body.ground_acceleration(amplitude)), omega * body.p)
+
+
+def rotation_under(
+    structure: RockingParameters,
+    a_g: float,
+    period: float,
+    motion: Motion | None = None,
+    *,
+    tolerance: float = 1e-12,
+    how: str = "arrays",
+) -> float | None:
+    """max |theta|/alpha by the nonlinear equation under a motion, one cycle of a sine
+    by default, of a_g [m/s2], reversed if negative, and T_g [s]; None if it overturns.
+    """
+    found = response(
+        Method("nonlinear", tolerance).system_of(structure),
+        (motion or sine()).scaled(math.copysign(1.0, a_g)),
+        structure.dimensionless_amplitude(abs(a_g)),
+        2.0 * math.pi / period / structure.p,
+        structure.eta,
+        how=how,
+    )
+    outcome = Outcome(int(found.outcome))
+    assert outcome.overturned or outcome is Outcome.ROCKED
+    return None if outcome.overturned else float(found.theta_ratio)
 
 
 def forces_of(

@@ -12,11 +12,11 @@ import pytest
 from oracles.arch_linkage import carried, links_of
 from oracles.mechanism_pulse import OneWay, Part, peak
 from scipy.optimize import brentq, minimize_scalar
+from support.bodies import rotation_under
 from support.documents import built
 
-from rocking_cli import ArgumentError, Method, Outcome, sine
+from rocking_cli import ArgumentError
 from rocking_cli.dynamics.equations.mechanism import MechanismEquation
-from rocking_cli.dynamics.response import response
 
 G = 9.81
 THICK, LOW, HIGH = 0.3, 2.7, 0.3  # of a held wall: its thickness, its parts' heights
@@ -128,18 +128,6 @@ def case(request):
     return structure, sides, lambda x: phi(x * sides[1].alpha) / structure.alpha
 
 
-def _found(structure, a_g, period, how):
-    cell = structure.dimensionless_amplitude(a_g), 2.0 * math.pi / period / structure.p
-    found = response(
-        Method("nonlinear", 1e-11).system_of(structure),
-        sine(),
-        *(np.array([x]) for x in cell),
-        structure.eta,
-        how=how,
-    )
-    return Outcome(int(found.outcome[0])), float(found.theta_ratio[0])
-
-
 # of the least acceleration that lifts it, and of 2 pi/p
 CELLS = [(1.3, 0.5), (2.5, 0.25), (4.0, 0.2), (4.0, 0.5), (12.0, 0.05), (30.0, 0.03)]
 
@@ -151,12 +139,8 @@ def test_cells_are_those_of_another_integration(case, strength, share):
     eta = {1: structure.eta, -1: structure.eta}
     wanted = peak(sides, eta, a_g, period)
     for how in ("floats", "arrays"):
-        outcome, theta = _found(structure, a_g, period, how)
-        if wanted is None:
-            assert outcome.overturned
-        else:
-            assert outcome is Outcome.ROCKED
-            assert theta == pytest.approx(ratio(wanted), rel=1e-6)
+        found = rotation_under(structure, a_g, period, tolerance=1e-11, how=how)
+        assert found == (wanted and pytest.approx(ratio(wanted), rel=1e-6))
 
 
 @pytest.mark.parametrize("share", [0.1, 0.3, 0.8])
@@ -167,7 +151,7 @@ def test_the_capacity_is_that_of_another_integration(case, share):
     eta = {1: structure.eta, -1: structure.eta}
     while high > low * (1.0 + 1e-9):
         middle = math.sqrt(low * high)
-        if _found(structure, middle, period, "floats")[0].overturned:
+        if rotation_under(structure, middle, period, how="floats") is None:
             high = middle
         else:
             low = middle
@@ -205,6 +189,6 @@ def test_a_stronger_drive_is_refused_where_it_could():
     a_g, period = 50.0 * structure.uplift * G, 1.0
     for how in ("floats", "arrays"):
         with pytest.raises(ArgumentError, match=r"no drive below 45\.6 times"):
-            _found(structure, a_g, period, how)
+            rotation_under(structure, a_g, period, how=how)
         # a body that falls before the stronger half of the cycle needs no proof
-        assert _found(structure, 0.9 * a_g, period, how)[0].overturned
+        assert rotation_under(structure, 0.9 * a_g, period, how=how) is None

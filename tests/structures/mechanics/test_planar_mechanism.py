@@ -12,8 +12,9 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from oracles.arch_linkage import carried
 from oracles.mechanism_pulse import OneWay, Part, peak
+from support.bodies import rotation_under
 
-from rocking_cli import Outcome, sine
+from rocking_cli import sine
 from rocking_cli.dynamics.method import Method
 from rocking_cli.dynamics.response import response
 from rocking_cli.structures.mechanics.assembly import (
@@ -281,21 +282,10 @@ def test_the_motion_is_that_of_differences_of_places(kind, a_g, period):
         numbers = side.numbers(G)
         assert numbers["alpha"] == pytest.approx(one.alpha, rel=1e-8)
         assert numbers["p"] == pytest.approx(one.p, rel=1e-7)
-    motion = sine() if a_g > 0.0 else sine().scaled(-1.0)
-    cell = (
-        np.array([body.dimensionless_amplitude(abs(a_g))]),
-        np.array([2.0 * math.pi / period / body.p]),
-        body.eta,
-    )
     wanted = peak(oracle, eta, a_g, period)
     for how in ("floats", "arrays"):
-        found = response(
-            Method("nonlinear", 1e-11).system_of(body), motion, *cell, how=how
-        )
-        if wanted is None:
-            assert Outcome(int(found.outcome[0])).overturned
-        else:
-            assert float(found.theta_ratio[0]) == pytest.approx(wanted, rel=1e-6)
+        found = rotation_under(body, a_g, period, tolerance=1e-11, how=how)
+        assert found == (wanted if wanted is None else pytest.approx(wanted, rel=1e-6))
 
 
 @settings(max_examples=5)
