@@ -3,7 +3,6 @@ cone, or a stack of drums.
 """
 
 from ...documents.document import Document
-from ..mechanics.moments import Moments
 from ..mechanics.single_body import RigidBody
 from ..mechanics.stacked_pieces import StackPiece, round_piece, stacked
 from ..mechanics.toe import density_of
@@ -19,35 +18,28 @@ def body(document: Document) -> RigidBody:
     axis, or of a drum of a stack from the line of the stack. density: of all drums, for
     `strength`.
     """
-    density = density_of(document)
     if document.has("drums"):
         wanted = (
             "a list of drums from below, each with radius, or base_radius and"
             " top_radius, and height"
         )
         pieces = [round_piece(part) for part in document.parts("drums", wanted)]
-        return stacked(
-            document,
-            "drums",
-            "drum",
-            [_dense(piece, density) for piece in pieces],
-            dense=density is not None,
-        )
-    drum = _dense(round_piece(document), density)
-    if not abs(drum.axis) < drum.foot:
-        wanted = f"a length between -{drum.foot:g} and {drum.foot:g} m, above its base"
-        raise document.fault("offset", str(document.values["offset"]), wanted)
+    else:
+        pieces = [_alone(document)]
+    density = density_of(document)
     return stacked(
         document,
         "drums",
         "drum",
-        [drum._replace(axis=0.0, body=drum.body.shifted(drum.axis))],
+        [piece.of_density(density) for piece in pieces],
         dense=density is not None,
     )
 
 
-def _dense(piece: StackPiece, density: float | None) -> StackPiece:
-    """Return the piece with this density [kg/m3], None for that of the document."""
-    if density is None:
-        return piece
-    return piece._replace(body=Moments(*(density * moment for moment in piece.body)))
+def _alone(document: Document) -> StackPiece:
+    """Return a drum whose mass centre may be beside its axis. Raises DocumentError."""
+    drum = round_piece(document)
+    if not abs(drum.axis) < drum.foot:
+        wanted = f"a length between -{drum.foot:g} and {drum.foot:g} m, above its base"
+        raise document.fault("offset", str(document.values["offset"]), wanted)
+    return drum._replace(axis=0.0, body=drum.body.shifted(drum.axis))

@@ -39,8 +39,8 @@ def _piece(part: Document) -> StackPiece:
     )
     if not part.has("density"):
         return piece
-    density = part.quantity("density", "density", above=0.0, where="a positive density")
-    return piece._replace(body=Moments(*(density * moment for moment in piece.body)))
+    where = "a positive density"
+    return piece.of_density(part.quantity("density", "density", above=0.0, where=where))
 
 
 def _cuboid(part: Document) -> StackPiece:

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from ...documents.document import Document
-from ..load_keys import SideLoads, Top, loads_of, parameters_of
+from ..load_keys import Top, loads_of, parameters_of
 from ..mechanics.held_wall import HeldWall
 from ..mechanics.linkage import Linkage
 from ..mechanics.linkage_drawing import drawn
@@ -78,16 +78,11 @@ class WallBetweenFloors:
         if "mass" not in details:
             raise document.missing("mass", "mass, or density and length")
         wall = self._wall(document, details["mass"])
-        on_top = all(load.at[1] == self.height for load in wall.right)
+        on_top = all(load.at[1] == self.height for load in wall.loads[1.0])
         least = self._weakest(document, wall) if on_top else None
         crack, remark = self._crack(document, least)
-        both = not document.flag("one_sided")
-        found = parameters_of(
-            document,
-            wall.mechanism(crack, not _stated(document), both),
-            name,
-            "wall",
-        )
+        mechanism = wall.mechanism(crack, not _stated(document))
+        found = parameters_of(document, mechanism, name, "wall")
         details |= {"crack_height": crack, **found.details}
         if least is None:
             details.pop("lambda_governing", None)
@@ -124,7 +119,7 @@ class WallBetweenFloors:
         crack.
         """
         half = 0.5 * self.thickness
-        loads: SideLoads = loads_of(document, Top((half, -half), self.height), 0.0)
+        loads = loads_of(document, Top((half, -half), self.height), 0.0)
         for i, load in enumerate(loads.right):
             x, z = load.at
             if not (abs(x) <= half and 0.0 <= z <= self.height):
@@ -134,7 +129,10 @@ class WallBetweenFloors:
                     f"a load on the wall, with x from {-half:g} to {half:g} m and z"
                     f" from 0 to {self.height:g} m",
                 )
-        return HeldWall(self.thickness, self.height, mass, loads.right, loads.left)
+        sides = {1.0: loads.right}
+        if not document.flag("one_sided"):
+            sides[-1.0] = loads.left
+        return HeldWall(self.thickness, self.height, mass, sides)
 
     def _weakest(
         self, document: Document, wall: HeldWall
@@ -142,11 +140,9 @@ class WallBetweenFloors:
         """The crack of the least lambda; None for a stated crack in a wall that has no
         range of heights to search. Raises DocumentError.
         """
-        low, high = wall.crack_range
-        if low < high:
-            return wall.weakest_crack(not document.flag("one_sided"))
-        if _stated(document):
-            return None
+        found = wall.weakest_crack()
+        if found or _stated(document):
+            return found
         raise document.fault(
             "thickness",
             f"{self.thickness:g} m, above 3/4 of the height",

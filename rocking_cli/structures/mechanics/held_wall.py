@@ -17,8 +17,8 @@ left face alone, it falls up to the top.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping
+from typing import NamedTuple
 
 from ..sketch import Outline, Point, rectangle
 from .assembly import GROUND, Assembly, Hinge, Joint, Load, PlanarBody, Slide
@@ -30,64 +30,49 @@ LOWER, UPPER = "lower", "upper"
 _LOWEST_CRACK = 0.25  # of the height: a lower crack is not searched
 
 
-@dataclass(frozen=True)
-class HeldWall:
+class HeldWall(NamedTuple):
     """A wall on the ground whose top moves up and down only; x is from its middle."""
 
     thickness: float  # t [m]
     height: float  # h [m]
     mass: float  # [kg]
-    right: tuple[Load, ...]  # loads, at their bearings while it bulges towards +x
-    left: tuple[Load, ...]  # the same loads while it bulges towards -x
+    # its loads, at their bearings while it bulges towards +x (1) and -x (-1), or
+    # towards +x alone
+    loads: Mapping[float, tuple[Load, ...]]
 
-    @property
-    def crack_range(self) -> tuple[float, float]:
-        """The heights between which a crack is searched [m]: h/4 and h - t."""
-        return _LOWEST_CRACK * self.height, self.height - self.thickness
-
-    def weakest_crack(self, both: bool) -> tuple[float, float, bool]:
-        """Return (height of the crack of the least lambda within `crack_range` [m],
-        this lambda, True if it ends on a bound of the range). All loads must bear on
-        the top. Of two directions it is the one with the smaller lambda; both: False if
-        it bulges towards +x only.
+    def weakest_crack(self) -> tuple[float, float, bool] | None:
+        """Return (height of the crack of the least lambda between h/4 and h - t [m],
+        this lambda, True if it ends on a bound of this range); None without this range.
+        All loads must bear on the top. Of two directions it is the one with the smaller
+        lambda.
         """
-        low, high = self.crack_range
+        t, h = self.thickness, self.height
+        low, high = _LOWEST_CRACK * h, h - t
+        if low >= high:
+            return None
         found = []
-        for side, loads in ((1.0, self.right), (-1.0, self.left))[: 1 + both]:
-            a, b = self._shares(side, loads)
-            free = self.height / (1.0 + math.sqrt(b / a))
+        for side, loads in self.loads.items():
+            shares = [(load.mass / self.mass, load.at[0] * side) for load in loads]
+            a = t * (1.0 + math.fsum(share for share, _ in shares))
+            b = math.fsum(share * (x + 0.5 * t) for share, x in shares)
+            free = h / (1.0 + math.sqrt(b / a))
             crack = min(max(free, low), high)
-            beta = crack / self.height
-            uplift = 2.0 / self.height * (a / beta + b / (1.0 - beta))
+            beta = crack / h
+            uplift = 2.0 / h * (a / beta + b / (1.0 - beta))
             found.append((uplift, crack, crack != free))
         uplift, crack, bound = min(found)
         return crack, uplift, bound
 
-    def _shares(self, side: float, loads: Sequence[Load]) -> tuple[float, float]:
-        """a and b of lambda(beta) [m]."""
-        shares = [(load.mass / self.mass, load.at[0] * side) for load in loads]
-        half = 0.5 * self.thickness
-        weight = math.fsum(share for share, _ in shares)
-        moment = math.fsum(share * (x + half) for share, x in shares)
-        return self.thickness * (1.0 + weight), moment
+    def mechanism(self, crack: float, searched: bool) -> PlanarMechanism:
+        """Return the wall with its crack at this height [m] as a mechanism."""
+        sides = {side: self._side(crack, side) for side in self.loads}
+        return PlanarMechanism(sides[1.0], sides.get(-1.0), searched)
 
-    def mechanism(self, crack: float, searched: bool, both: bool) -> PlanarMechanism:
-        """Return the wall with its crack at this height [m] as a mechanism; both: False
-        if it bulges towards +x only.
-        """
-        return PlanarMechanism(
-            self._side(crack, 1.0, self.right),
-            self._side(crack, -1.0, self.left) if both else None,
-            searched,
-        )
-
-    def _side(
-        self, crack: float, side: float, loads: tuple[Load, ...]
-    ) -> MechanismSide:
+    def _side(self, crack: float, side: float) -> MechanismSide:
         """The wall while it bulges towards +x (side = 1) or -x. Its top is held at the
         bearing of the first load on it, or else at the corner that rises.
         """
-        half = 0.5 * self.thickness
+        half, loads = 0.5 * self.thickness, self.loads[side]
         placed = tuple(
             load._replace(body=UPPER if load.at[1] > crack else LOWER) for load in loads
         )

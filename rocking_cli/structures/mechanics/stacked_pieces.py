@@ -9,7 +9,7 @@ import math
 from collections.abc import Sequence
 from functools import partial
 from itertools import accumulate
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Self
 
 from ...documents.document import Document
 from ..shared_keys import gravity_of, has_loads, mass_of, restraints_in
@@ -28,6 +28,12 @@ class StackPiece(NamedTuple):
     axis: float  # x of its axis [m]
     body: Moments  # its moments about the middle of its base
     depth: float | None = None  # across the rocking [m], None for a round piece
+
+    def of_density(self, density: float | None) -> Self:
+        """Return the piece of unit density with this one [kg/m3]; itself for None."""
+        if density is None:
+            return self
+        return self._replace(body=Moments(*(density * x for x in self.body)))
 
 
 def frustum_moments(low: float, high: float, height: float) -> Moments:
