@@ -13,7 +13,16 @@ from . import demand, options
 from .command import command, flag, group, option, partly, refuse
 from .draws import DrawnRows, Draws, note_one_demand, require_spreads
 from .parameter_types import NUMBER, InputPath
-from .printing import computed, emit, form, is_quiet, note, printed, units_of
+from .printing import (
+    chosen_columns,
+    computed,
+    emit,
+    form,
+    is_quiet,
+    note,
+    printed,
+    units_of,
+)
 from .progress import ProgressLine
 
 if TYPE_CHECKING:
@@ -92,6 +101,10 @@ class CheckOptions:
     def limit(self) -> Limit | None:
         """The largest amplitude of the search, None without a search."""
         return None if self.verdict_only else self.a_max
+
+
+# rows from which on friction_needed and fz_min are computed only if they are asked for
+_LONG_TABLE = 1000
 
 
 @command(
@@ -240,6 +253,7 @@ def _judge_and_print(
             a_max=wanted.limit,
             workers=wanted.workers,
             progress=ProgressLine("check", "checks"),
+            forces=_forces_wanted(len(demands.rows)),
         ),
         demands.rows,
         strict=True,
@@ -272,6 +286,20 @@ def _judge_and_print(
         varied=demands.varied,
     )
     return judged
+
+
+def _forces_wanted(rows: int) -> bool:
+    """True if friction_needed and fz_min are computed of every row: of fewer than
+    `_LONG_TABLE`, or if --columns names them.
+    """
+    asked = {"friction_needed", "fz_min"}.intersection(chosen_columns())
+    if rows < _LONG_TABLE or asked:
+        return True
+    note(
+        f"friction_needed and fz_min are not computed of {_LONG_TABLE} rows or more;"
+        " --columns friction_needed,fz_min asks for them"
+    )
+    return False
 
 
 def _draw(

@@ -107,6 +107,12 @@ def form() -> str | None:
     return _kept("form")
 
 
+def chosen_columns() -> list[str]:
+    """Return the columns that --columns names, empty without it."""
+    stated = (_kept("columns") or "").split(",")
+    return [name.strip() for name in stated if name.strip()]
+
+
 def units_shown(table_units: str | None = None) -> "Units":
     """Return the units of the rows: --units, for a table else
     `table_units`, else SI.
@@ -182,8 +188,7 @@ def emit(
     units, form = units_shown(table_units), _kept("form") or form
     if dimensions:
         units = replace(units, dimensions=dimensions)
-    stated = (_kept("columns") or "").split(",")
-    chosen = [name.strip() for name in stated if name.strip()]
+    chosen = chosen_columns()
     if varied:
         rows = ({**varied.get(str(row.get("structure")), {}), **row} for row in rows)
     if unseen and form is None:

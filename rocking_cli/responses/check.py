@@ -6,12 +6,12 @@ import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from functools import partial
-from itertools import chain, repeat
+from itertools import chain
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
 import numpy as np
 
-from ..dynamics.method import LINEAR, Method
+from ..dynamics.method import Method
 from ..dynamics.outcome import Outcome
 from ..envelopes.amplitudes import LONGEST_FINE, Limit, limit_of
 from ..envelopes.capacity import Capacity, CapacitySearch, begun_together
@@ -26,7 +26,14 @@ from ..structures.given import Structure, structure_from
 from ..structures.parameters import RockingParameters
 from .contact_forces import ContactForces
 from .known_shares import KnownShares
-from .shaken import answer_of, capacity_search, least_acceleration, respond
+from .shaken import (
+    Shaken,
+    answer_of,
+    answers_together,
+    capacity_search,
+    least_acceleration,
+    respond,
+)
 from .time_history import time_history
 from .verdict import FLOOR_COLUMNS, Verdict
 
@@ -43,6 +50,8 @@ _STAGES = 3  # of a verdict: responses, search, history
 _SEARCHED = 0.95  # of a verdict whose search is long: about its share
 _LAST = 0.01  # of a verdict, which counts when it has come from its process
 _TOGETHER = 12  # demands that share a scan, at most
+_MANY = 20  # demands from which on they are marched together, not one by one
+_BLOCK = 512  # of many demands, that are marched together
 _WORTH = 3  # demands under pulses for each process that is started, at least
 
 
@@ -101,7 +110,7 @@ def check(
         1, lambda done: progress(_STAGES * done, _STAGES) if progress else None
     )
     body = structure_from(structure)
-    return _judged(body, *demand_of(motion, shaking), a_max, None, told.of(0))
+    return _judged(body, *demand_of(motion, shaking), a_max, None, None, told.of(0))
 
 
 def outcome_alone(
@@ -162,6 +171,7 @@ def _standing(
     shaking: Grid,
     a_max: float | None,
     begun: "FallSearch | Capacity | None",
+    answer: Shaken | None,
     done: Callable[[float], None],
 ) -> Standing:
     """Return the outcome and the capacity over the demand of `check`, without the other
@@ -169,7 +179,8 @@ def _standing(
     """
     if friction_that_slides(structure) is not None:
         return Standing(outcome_alone(structure, motion, shaking), None)
-    answer = answer_of(capacity_search(structure, motion, shaking, a_max or 0.0))
+    if answer is None:
+        answer = answer_of(capacity_search(structure, motion, shaking, a_max or 0.0))
     found = answer.search.capacity(begun, done)
     first, _ = answer.lowest(found)
     demand = float(structure.ground_acceleration(answer.search.amplitude))
@@ -183,15 +194,17 @@ def _judged(
     shaking: Grid,
     a_max: float | None,
     begun: "FallSearch | Capacity | None",
+    answer: Shaken | None,
     done: Callable[[float], None],
+    forces: bool = True,
 ) -> Verdict:
     """Return the verdict of `check`; begun: what is known of the capacity, as of
-    `begun_together`; done: called with the share of the verdict that is known.
+    `begun_together`; answer: of `answers_together`, None if it is not known; done:
+    called with the share of the verdict that is known; forces: as of `verdicts`.
     """
-    search = capacity_search(structure, motion, shaking, a_max or 0.0)
-    answer, method = answer_of(search), search.method
-    demand = np.array([search.amplitude])
-    linear = respond(LINEAR, structure, motion, demand, search.omega)
+    if answer is None:
+        answer = answer_of(capacity_search(structure, motion, shaking, a_max or 0.0))
+    search, method = answer.search, answer.search.method
     done(1 / _STAGES)
 
     found, searched, free = Capacity(None, None, None), None, None
@@ -206,13 +219,16 @@ def _judged(
             free = bare.capacity().first
     first, safe_to = (None, None) if a_max is None else answer.lowest(found)
     done(2 / _STAGES)
-    asked = _of_history(method, structure, motion, shaking)
+    if forces or not _turns_as_a_block(structure):
+        asked = _of_history(method, structure, motion, shaking)
+    else:
+        asked = _of_rotation(structure, answer)
     if first is not None and asked.get("devices"):
         asked["devices"] = _to_capacity(asked["devices"], search, first)
     done(1.0)
 
     rotation, needed = (
-        float(answer.response.theta_ratio[0]),
+        float(answer.theta_ratio[0]),
         asked.get("friction_needed"),
     )
     verdict = Verdict(
@@ -225,7 +241,7 @@ def _judged(
         uplift_a=least_acceleration(structure, found.uplift),
         first_overturning_a=first,
         safe_to=safe_to,
-        outcome_linear=Outcome(int(linear.outcome[0])),
+        outcome_linear=answer.linear,
         unsettled=answer.unsettled,
         share_of_falls=found.share_of_falls,
         searched_to=searched,
@@ -275,16 +291,20 @@ def verdicts(
     a_max: float | Limit | None = A_MAX,
     workers: int | None = None,
     progress: Progress | None = None,
+    forces: bool = True,
 ) -> Iterator[Verdict]:
     """Yield the verdict on each demand (structure, motion, shaking), in their order, as
     soon as it is found.
 
     a_max: an A, or an acceleration for every structure, None for no search; workers:
     number of processes, None for all cores if that saves time; progress: called with
-    the number of finished checks, of which a part counts as a fraction, and of all.
-    Raises as `check` does, and OutputError when a worker process dies.
+    the number of finished checks, of which a part counts as a fraction, and of all;
+    forces: False to leave out friction_needed, fz_min and lost_in_fall of blocks with
+    two equal edges, for which the body is marched once more. Raises as `check` does,
+    and OutputError when a worker process dies.
     """
-    yield from _dealt(_judged, demands, a_max, workers, progress)
+    judge = partial(_judged, forces=forces)
+    yield from _dealt(judge, demands, a_max, workers, progress)
 
 
 def standings(
@@ -309,11 +329,12 @@ def _dealt(
     """Yield what `judge` says of each demand, in their order; processes share them."""
     done = progress or _no_progress
     several, groups = _groups(demands, a_max is not None, workers)
+    many = len(demands) >= _MANY
     if several == 1:
         before = 0
         for group in groups:
             told = partial(_after, done, before, len(demands))
-            yield from _each(judge, a_max, group, told)
+            yield from _each(judge, a_max, many, group, told)
             before += len(group)
         return
     known = 0.0  # verdicts, of those under way the parts that are known
@@ -326,7 +347,7 @@ def _dealt(
     def parts(reported: float) -> None:
         tell(min(reported, len(demands) - _LAST))
 
-    task, advice = partial(_all, judge, a_max), "fewer `workers` need less"
+    task, advice = partial(_all, judge, a_max, many), "fewer `workers` need less"
     with processes(several, task, advice, parts) as run:
         for i, verdict in enumerate(chain.from_iterable(run(groups)), 1):
             tell(i)
@@ -344,10 +365,10 @@ def _groups(
     )
     worth = 1 if workers or under_records else _WORTH
     several = max(1, min(workers or available_cpus(), len(demands) // worth))
-    size = 1
-    if searched:
-        rounds = math.ceil(len(demands) / (several * _TOGETHER))
-        size = math.ceil(len(demands) / (several * rounds))
+    most = _BLOCK if len(demands) >= _MANY else _TOGETHER if searched else 1
+    rounds = math.ceil(len(demands) / (several * most))
+    size = max(1, math.ceil(len(demands) / (several * max(1, rounds))))
+    size = min(size, most)
     return several, [demands[i : i + size] for i in range(0, len(demands), size)]
 
 
@@ -365,36 +386,62 @@ def _after(progress: Progress, before: int, checks: int, done: float) -> None:
 def _each(
     judge: Callable[..., Judged],
     a_max: float | Limit | None,
+    many: bool,
     demands: Sequence[Demand],
     tell: Callable[[float], None],
 ) -> Iterator[Judged]:
-    """Yield what `judge` says of several demands; their searches share their scans.
-    tell: called with the number of those that are known.
+    """Yield what `judge` says of several demands; their searches share their scans,
+    and, if they are of many, their answers one march. tell: called with the number of
+    those that are known.
     """
     shares = KnownShares(len(demands), tell)
     most = [
         None if a_max is None else limit_of(a_max, structure)
         for structure, _, _ in demands
     ]
-    found = begun_together(
-        [
-            capacity_search(*demand, a)
-            for demand, a in zip(demands, most, strict=True)
-            if a is not None
-        ],
-        lambda share: shares.all(_SEARCHED * share),
-    )
-    for i, (demand, a, begun) in enumerate(
-        zip(demands, most, found or repeat(None), strict=False)
-    ):
-        yield judge(*demand, a, begun, shares.of(i))
+    searches = [
+        capacity_search(*demand, a or 0.0)
+        for demand, a in zip(demands, most, strict=True)
+    ]
+    found: Sequence[FallSearch | Capacity | None] = [None] * len(demands)
+    if a_max is not None:
+        found = begun_together(searches, lambda share: shares.all(_SEARCHED * share))
+    answers: Sequence[Shaken | None] = [None] * len(demands)
+    if many:
+        answers = answers_together(searches)
+    rows = zip(demands, most, found, answers, strict=True)
+    for i, (demand, *known) in enumerate(rows):
+        yield judge(*demand, *known, shares.of(i))
 
 
 def _all(
-    judge: Callable[..., Judged], a_max: float | Limit | None, demands: Sequence[Demand]
+    judge: Callable[..., Judged],
+    a_max: float | Limit | None,
+    many: bool,
+    demands: Sequence[Demand],
 ) -> list[Judged]:
     """Return what `judge` says of several demands in a worker process."""
-    return list(_each(judge, a_max, demands, part_reporter()))
+    return list(_each(judge, a_max, many, demands, part_reporter()))
+
+
+def _turns_as_a_block(structure: RockingParameters) -> bool:
+    """True for a rigid body on two equal edges without ties, whose top is as far from
+    both, and whose sliding is not asked for.
+    """
+    return (
+        structure.plain
+        and structure.mechanism is None
+        and structure.friction is None
+        and len(set(structure.top)) == 1
+    )
+
+
+def _of_rotation(structure: RockingParameters, answer: Shaken) -> dict[str, Any]:
+    """Return top_displacement of a body that turns as a block."""
+    if not answer.outcome.safe:
+        return {"top_displacement": None}
+    turned = structure.alpha * float(answer.theta_ratio[0])
+    return {"top_displacement": 2.0 * structure.top[0] * math.sin(0.5 * turned)}
 
 
 def _of_history(

@@ -1,12 +1,14 @@
 """The answer of one body to a demand and to small changes of it."""
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 
-from ..dynamics.method import Method, governing_method
+from ..dynamics.method import LINEAR, Method, governing_method
 from ..dynamics.outcome import Outcome, safe
 from ..dynamics.response import Response, response
+from ..dynamics.shared_march import SharedMarch
 from ..envelopes.capacity import SHIFTS, Capacity, CapacitySearch
 from ..errors import UsageError
 from ..motions import Motion
@@ -42,26 +44,27 @@ class Shaken(NamedTuple):
 
     search: CapacitySearch  # the search for its overturning amplitudes
     amplitudes: np.ndarray  # A [-]: the demand first, then amplitudes close to it
-    response: Response  # by the governing equation, at these amplitudes
+    codes: np.ndarray  # codes of `Outcome` at these, by the governing equation
+    theta_ratio: np.ndarray  # largest |theta|/alpha at these [-], NaN where it falls
+    linear: Outcome  # by the linear equation, under the demand
 
     @property
     def outcome(self) -> Outcome:
         """The outcome under the demand."""
-        return Outcome(int(self.response.outcome[0]))
+        return Outcome(int(self.codes[0]))
 
     @property
     def falling(self) -> np.ndarray:
         """Those of the amplitudes that overturn the body, (some,)."""
-        outcome = self.response.outcome
-        return self.amplitudes[~safe(outcome) & (outcome != Outcome.FAILED)]
+        return self.amplitudes[~safe(self.codes) & (self.codes != Outcome.FAILED)]
 
     @property
     def unsettled(self) -> bool:
         """True if small changes of the demand change the outcome or the rotation."""
-        stands = safe(self.response.outcome)
+        stands = safe(self.codes)
         if not stands.any():
             return False
-        turned = self.response.theta_ratio[stands]
+        turned = self.theta_ratio[stands]
         return bool(self.falling.size or np.ptp(turned) > _SAME)
 
     def lowest(self, found: Capacity) -> tuple[float | None, float | None]:
@@ -77,13 +80,40 @@ class Shaken(NamedTuple):
 
 
 def answer_of(search: CapacitySearch) -> Shaken:
-    """Compute the answer of a body to the demand of a search."""
+    """Compute the answer of a body to the demand of a search, on floats."""
+    body, motion, omega = search.structure, search.motion, search.omega
     shifted = search.amplitude * (1.0 + SHIFTS)
-    return Shaken(
-        search,
-        shifted,
-        respond(search.method, search.structure, search.motion, shifted, search.omega),
-    )
+    found = respond(search.method, body, motion, shifted, omega)
+    linear = respond(LINEAR, body, motion, shifted[:1], omega)
+    of_linear = Outcome(int(linear.outcome[0]))
+    return Shaken(search, shifted, found.outcome, found.theta_ratio, of_linear)
+
+
+def answers_together(searches: Sequence[CapacitySearch]) -> list[Shaken]:
+    """Compute the answers of many bodies to their demands; those under one motion are
+    marched together, on arrays.
+    """
+    found: list[Shaken | None] = [None] * len(searches)
+    motions: dict[int, list[int]] = {}
+    for i, one in enumerate(searches):
+        motions.setdefault(id(one.motion), []).append(i)
+    for at in motions.values():
+        own = [searches[i] for i in at]
+        bodies, motion = [one.structure for one in own], own[0].motion
+        omega = np.array([one.omega for one in own])
+        shifted = np.array([one.amplitude for one in own])[:, None] * (1.0 + SHIFTS)
+        which = np.arange(len(own))
+        march = SharedMarch(motion, bodies, [one.method for one in own])
+        each = np.repeat(which, SHIFTS.size)
+        turned, codes, _ = march.response(each, shifted.ravel(), omega[each])
+        _, linear, _ = SharedMarch(motion, bodies, [LINEAR] * len(own)).response(
+            which, shifted[:, 0], omega, peaks=False
+        )
+        codes, turned = codes.reshape(shifted.shape), turned.reshape(shifted.shape)
+        for n, i in enumerate(at):
+            of_linear = Outcome(int(linear[n]))
+            found[i] = Shaken(own[n], shifted[n], codes[n], turned[n], of_linear)
+    return [one for one in found if one is not None]
 
 
 def least_acceleration(

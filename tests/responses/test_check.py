@@ -26,6 +26,7 @@ from rocking_cli import (
 from rocking_cli.dynamics.method import governing_method
 from rocking_cli.envelopes.capacity import Capacity
 from rocking_cli.envelopes.intervals import A_MAX
+from rocking_cli.motions.given import demand_of
 from rocking_cli.motions.grid import as_recorded
 from rocking_cli.reports.wording import tally
 from rocking_cli.responses.check import check, verdicts
@@ -302,3 +303,44 @@ def test_a_check_of_an_arch_says_whether_a_further_hinge_opens(text, a_g, opens)
         opens,
         opens,
     )
+
+
+def test_many_bodies_are_judged_together_as_each_alone():
+    """On arrays, within the tolerance of what each is on floats."""
+    random = np.random.default_rng(11)
+    texts = [
+        f"kind: block\nwidth: {random.uniform(0.3, 1.2)}\nheight: 3\n{more}"
+        for more in ("", "damping: 0.04", "damping: 0.07", "one_sided: true", "")
+        for _ in range(6)
+    ]
+    samples = noise(400, 0.01, seed=3)
+    record = motion_of_samples(3.5 * samples / np.abs(samples).max(), 0.01)
+    shaken = (sine(), parse_grid("a_g=0.3g,f_g=0.8")), demand_of(record, None)
+    demands = [(built(text), *one) for text in texts for one in shaken]
+    together = list(verdicts(demands, a_max=None, workers=1))
+    for one, demand in zip(together, demands, strict=True):
+        (alone,) = verdicts([demand], a_max=None, workers=1)
+        assert (one.outcome, one.outcome_linear) == (
+            alone.outcome,
+            alone.outcome_linear,
+        )
+        assert (one.fz_min, one.uplift_a) == (alone.fz_min, alone.uplift_a)
+        assert (one.theta_ratio or 0.0) == pytest.approx(
+            alone.theta_ratio or 0.0, abs=1e-8
+        )
+    assert len({one.outcome for one in together}) > 2
+
+
+def test_the_top_of_a_block_is_displaced_by_its_rotation_without_its_forces():
+    demands = [
+        (built(f"kind: block\nwidth: {width}\nheight: 3"), sine(), DEMAND)
+        for width in np.linspace(0.4, 1.4, 25)
+    ]
+    whole = verdicts(demands, a_max=None, workers=1)
+    fewer = verdicts(demands, a_max=None, workers=1, forces=False)
+    for one, other in zip(whole, fewer, strict=True):
+        assert other.outcome == one.outcome
+        assert other.fz_min is None
+        moved = one.top_displacement
+        near = None if moved is None else pytest.approx(moved, rel=1e-8)
+        assert other.top_displacement == near
