@@ -250,6 +250,7 @@ def _judge_and_print(
     found: Iterable[tuple[Verdict, Demand]] = zip(
         verdicts(
             demands.rows,
+            ranges=demands.ranges,
             a_max=wanted.limit,
             workers=wanted.workers,
             progress=ProgressLine("check", "checks"),
@@ -340,6 +341,10 @@ def _lines(
     )
 
     yield from remarks(judged, of_means=bool(of_draws.said))
+    if demands.ranged:
+        from ..reports.wording import range_in_words
+
+        yield range_in_words(demands.ranged, wanted.limit is not None)
     yield from worst_at_an_end(demands, judged, _in_g(demands.asked))
     yield from by_code.said() if by_code else ()
     if opposite:

@@ -5,7 +5,7 @@ azimuth or frequency where the call states a range of them.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from ..envelopes.frequency_search import WorstFrequency
     from ..motions import Motion
     from ..motions.grid import Grid
-    from ..responses.check import Demand
+    from ..responses.check import Demand, OfRange
     from ..structures import RockingParameters
 
 # structures, and the columns of the varied values of each
@@ -46,9 +46,8 @@ class Demands:
     up_to: Grid | None  # the demand at the other end of a range of frequencies
     shakes: list[tuple[Motion, Grid]]  # motions and demands, as they are told
     rows: list[Demand] = field(default_factory=list)  # the demand of each row
-    # further columns of each structure
-    columns: dict[str, dict[str, Any]] = field(default_factory=dict)
     # of each structure, with a range
+    ranges: dict[str, OfRange] = field(default_factory=dict)
     worst: dict[str, WorstFrequency] = field(default_factory=dict)
 
     @property
@@ -118,21 +117,17 @@ def at_worst(demands: Demands, limit: Limit | None, workers: int | None) -> Dema
 
     limit: the largest amplitude of the search, None if only outcomes are wanted.
     """
-    from ..structures.friction import refuse_range
-
-    if demands.azimuths is not None and demands.azimuths.size > 1:
-        refuse_range(demands.structures, "--azimuth with several directions")
-    if demands.up_to is not None:
-        refuse_range(demands.structures, "a range of frequencies")
     if demands.azimuths is not None:
-        demands = _at_worst_azimuth(demands, demands.azimuths, workers)
+        demands = _at_worst_azimuth(demands, demands.azimuths, limit, workers)
     if demands.up_to is not None:
         demands = _at_worst_frequency(demands, limit, workers)
     _note_long(demands, limit)
     return demands
 
 
-def _at_worst_azimuth(demands: Demands, azimuths: Any, workers: int | None) -> Demands:
+def _at_worst_azimuth(
+    demands: Demands, azimuths: Any, limit: Limit | None, workers: int | None
+) -> Demands:
     from ..dynamics.method import has_direction
     from ..responses.azimuth import worst_azimuths
 
@@ -141,30 +136,25 @@ def _at_worst_azimuth(demands: Demands, azimuths: Any, workers: int | None) -> D
         demands.structures,
         demands.shaken.recordings,
         azimuths,
+        limit,
         workers=workers,
         progress=line,
     )
-    note(
-        f"azimuth: the worst of {azimuths.size} for the demand; at another azimuth the"
-        " capacity may be less"
-    )
     if both := [s.name for s in demands.structures if has_direction(s)]:
         note(f"both signs of each azimuth, because the sides differ: {', '.join(both)}")
-    _note_end_of_span(
-        azimuths, {structure.name: angle for angle, (structure, _, _) in directed}
-    )
-    rows = [demand for _, demand in directed]
+    ranges = {structure.name: one for (structure, _, _), one in directed}
+    worst = {name: one.columns["azimuth"] for name, one in ranges.items()}
+    _note_end_of_span(azimuths, worst)
+    rows = [demand for demand, _ in directed]
     return replace(
         demands,
         rows=rows,
         shakes=[(motion, grid) for _, motion, grid in rows],
-        columns={
-            structure.name: {"azimuth": angle} for angle, (structure, _, _) in directed
-        },
+        ranges=ranges,
     )
 
 
-def _note_end_of_span(azimuths: Any, worst: dict[str, float]) -> None:
+def _note_end_of_span(azimuths: Any, worst: Mapping[str, Any]) -> None:
     """Say which structures are worst at an end of a span of azimuths that leaves
     directions out; with equal steps half a turn is whole without its last azimuth.
     """
@@ -182,52 +172,85 @@ def _note_end_of_span(azimuths: Any, worst: dict[str, float]) -> None:
 def _at_worst_frequency(
     demands: Demands, limit: Limit | None, workers: int | None
 ) -> Demands:
+    from ..responses.check import OfRange
+
     motion, low = demands.shakes[0]
     assert demands.up_to is not None  # a range is stated
-    found = _worst(demands.structures, motion, low, demands.up_to, limit, workers)
-    worst = {s.name: one for s, one in zip(demands.structures, found, strict=True)}
-    rows = [(s, motion, worst[s.name].grid) for s in demands.structures]
-    for reversed_row, one in _worse_reversed(demands, rows, limit, workers):
-        name = reversed_row[0].name
-        worst[name] = one
-        rows[[s.name for s in demands.structures].index(name)] = reversed_row
+    structures, ends = demands.structures, (low, demands.up_to)
+    worst = _worst(structures, motion, *ends, limit, workers)
+    rows = {s.name: (s, motion, worst[s.name].grid) for s in structures}
+    largest = {name: [(motion, one)] for name, one in worst.items()}
+    for (s, opposite, _), one, is_worse in _reversed(demands, rows, limit, workers):
+        largest[s.name].append((opposite, one))
+        if is_worse:
+            worst[s.name], rows[s.name] = one, (s, opposite, one.grid)
+    ranges = {}
+    for s in structures:
+        one, further = worst[s.name], _largest(s, largest[s.name])
+        if one.largest is None:  # the row falls, or nothing lifts
+            further = None
+        ranges[s.name] = OfRange(
+            {
+                "worst_f_g": one.frequency,
+                "worst_f_g_end": one.end,
+                "largest_f_g": None if further is None else further[0],
+            },
+            None if further is None else further[1],
+        )
     return replace(
         demands,
-        rows=rows,
-        shakes=[(motion, low), (motion, demands.up_to)],
-        columns={
-            name: {"worst_f_g": one.frequency, "worst_f_g_end": one.end}
-            for name, one in worst.items()
-        },
+        rows=list(rows.values()),
+        shakes=[(motion, end) for end in ends],
+        ranges=ranges,
         worst=worst,
     )
 
 
-def _worse_reversed(
-    demands: Demands, rows: list[Demand], limit: Limit | None, workers: int | None
-) -> list[tuple[Demand, WorstFrequency]]:
-    """Return the demand at the worst frequency of the opposite direction, of each body
-    whose sides differ and for which this direction is worse than that of its row.
+def _largest(
+    structure: RockingParameters, found: Iterable[tuple[Motion, WorstFrequency]]
+) -> tuple[float, Demand] | None:
+    """Return (frequency [Hz], demand) of the largest rotation of a body, which may be
+    that of the opposite direction; None without one.
+    """
+    from ..responses.check import standings
+
+    some = [
+        (one.largest[1], (structure, motion, one.largest[0]))
+        for motion, one in found
+        if one.largest is not None
+    ]
+    if len(some) < 2:
+        return some[0] if some else None
+    answers = standings([demand for _, demand in some], a_max=None)
+    turned = [one.moved or 0.0 for one in answers]
+    return some[turned.index(max(turned))]
+
+
+def _reversed(
+    demands: Demands,
+    rows: Mapping[str, Demand],
+    limit: Limit | None,
+    workers: int | None,
+) -> Iterator[tuple[Demand, WorstFrequency, bool]]:
+    """Yield the demand at the worst frequency of the opposite direction, of each body
+    whose sides differ, and True if this direction is worse than that of its row.
     """
     from ..dynamics.method import has_direction
     from ..responses.opposite import opposite_is_worse
 
-    sided = [row for row in rows if has_direction(row[0])]
+    sided = [row for row in rows.values() if has_direction(row[0])]
     if not sided:
-        return []
+        return
     names = ", ".join(structure.name for structure, _, _ in sided)
     note(f"the worse of both directions, because the sides differ: {names}")
     bodies, opposite = [s for s, _, _ in sided], sided[0][1].scaled(-1.0)
     assert demands.up_to is not None  # a range is stated
     low = demands.shakes[0][1]
     found = _worst(bodies, opposite, low, demands.up_to, limit, workers)
-    others = [(s, opposite, one.grid) for s, one in zip(bodies, found, strict=True)]
+    others = [(s, opposite, found[s.name].grid) for s in bodies]
     worse = opposite_is_worse(sided, others, limit, workers)
-    return [
-        (row, one)
-        for row, one, is_worse in zip(others, found, worse, strict=True)
-        if is_worse
-    ]
+    for row, is_worse in zip(others, worse, strict=True):
+        yield row, found[row[0].name], is_worse
 
 
 def _worst(
@@ -237,13 +260,25 @@ def _worst(
     high: Grid,
     limit: Limit | None,
     workers: int | None,
-) -> list[WorstFrequency]:
+) -> dict[str, WorstFrequency]:
+    """Return the worst frequency of each structure by its name. A body that slides and
+    never rocks slides furthest at the lowest one: the slide grows with 1/f2.
+    """
+    from ..envelopes.frequency_search import FrequencyRange
     from ..envelopes.worst import at_worst_frequencies
+    from ..structures.friction import friction_that_slides
 
+    rocking = [s for s in structures if friction_that_slides(s) is None]
     line = ProgressLine("frequencies", "structures")
-    return at_worst_frequencies(
-        structures, motion, low, high, limit, workers=workers, progress=line
+    searched = at_worst_frequencies(
+        rocking, motion, low, high, limit, workers=workers, progress=line
     )
+    found = {s.name: one for s, one in zip(rocking, searched, strict=True)}
+    for s in structures:
+        if s.name not in found:
+            one = FrequencyRange.of(s, motion, low, high, None)
+            found[s.name] = one.worst(one.ends[0], one.ends[0], low, high)
+    return found
 
 
 def opposite_outcomes(demands: Demands) -> list[tuple[str, Outcome]]:

@@ -153,7 +153,12 @@ def worst_at_an_end(
             "no worst frequency, because the demand lifts them at none:"
             f" {', '.join(unmoved)}"
         )
-    of = {v.structure: v for v in verdicts}
+    if slid := [v.structure for v in verdicts if v.slide is not None]:
+        yield (
+            f"slide furthest at worst_f_g, and further under slower motions (by 1/f2):"
+            f" {', '.join(slid)}"
+        )
+    of = {v.structure: v for v in verdicts if v.slide is None}
     for end, other in (("lower", "slower"), ("upper", "faster")):
         found = [
             (

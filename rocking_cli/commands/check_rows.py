@@ -20,8 +20,7 @@ def row_of(
     verdict: Verdict, demands: Demands, more: dict[str, Any], searched: bool
 ) -> dict[str, Any]:
     """Return the row of a verdict; more: the columns of --code and --draws."""
-    head = {"structure": verdict.structure, "motion": verdict.motion}
-    row = head | demands.columns.get(verdict.structure, {}) | verdict.row() | more
+    row = verdict.row() | more
     if form() is None and (limit := verdict.capacity_above) is not None:
         row["capacity_demand"] = Above(limit)
     if form() == "csv":  # its header is that of the first row

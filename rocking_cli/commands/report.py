@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from . import demand, options
 from .check import CodeOptions
@@ -116,6 +115,7 @@ def report(
         wanted.output,
         _asked(demands, wanted, by_code, drawn),
         demand=_in_words(demands, wanted.summary),
+        ranges=demands.ranges,
         opposite=opposite,
         remarks=lambda found: _remarks(found, demands, wanted, by_code, limit),
         recordings=stated.shaken.recordings,
@@ -150,16 +150,7 @@ def _asked(
         draws=None if drawn.draws is None else (drawn.draws, drawn.seed),
         fragility=demands.azimuths is None,
         code=None if by_code is None else by_code.given,
-        columns={name: _columns(row) for name, row in demands.columns.items()},
     )
-
-
-def _columns(row: dict[str, Any]) -> dict[str, str | float]:
-    """Return the worst azimuth or frequency as the table of verdicts has it."""
-    if "azimuth" in row:
-        return {"azimuth [deg]": math.degrees(row["azimuth"])}
-    frequency = row["worst_f_g"]
-    return {"worst at [Hz]": "none" if frequency is None else frequency}
 
 
 def _in_words(demands: Demands, summary: bool) -> str:
@@ -194,10 +185,15 @@ def _remarks(
             f" {by_code.given['confidence']:g}{floor}. In brackets: the amplitude that"
             " the code accepts over the demand."
         )
-    if demands.azimuths is not None:
+    if demands.ranged:
+        tried = (
+            "range of frequencies"
+            if demands.azimuths is None
+            else f"{demands.azimuths.size} directions"
+        )
         yield (
-            "The azimuth is the worst of those tried for the demand; at another azimuth"
-            " the capacity may be less."
+            f"Of the {tried} the capacity is the least one and the rotation the largest"
+            " one, each where the table says."
         )
     yield from worst_at_an_end(demands, verdicts, in_g=True)
     if wanted.inset_effect:

@@ -4,6 +4,7 @@ a scan of the range, then the minima of the first overturning amplitude.
 
 import math
 from collections.abc import Callable, Iterator, Sequence
+from functools import cached_property
 from typing import NamedTuple, Self
 
 import numpy as np
@@ -32,6 +33,9 @@ _OUTCOME_REACH = 1.5
 _LADDER = 2e-3  # ratio of the amplitudes of this search, minus 1
 _RUNGS = 250  # amplitudes that are computed together: all of them
 _SCANNED = 0.6  # about the share of the scan of a search
+# around a largest rotation of the scan: parts of its step that are looked at, and the
+# frequencies that are tried in each of them
+_CLOSER, _TRIED = (1.0, 0.125, 0.015625), 17
 _HALF = 12  # searches around minima after which half of the rest is taken as done
 
 Tell = Callable[[float], None]  # called with the share that is done
@@ -44,6 +48,17 @@ class WorstFrequency(NamedTuple):
     # [Hz]; None if the body lifts at no frequency and has no capacity
     frequency: float | None
     end: str | None  # "lower" or "upper" if it is this end of the range, otherwise None
+    # the demand at the frequency of the largest rotation, and this frequency [Hz]; None
+    # if the body falls or does not lift
+    largest: tuple[Grid, float] | None = None
+
+
+class Scanned(NamedTuple):
+    """The answers to the demand at the frequencies of the scans."""
+
+    rows: "ScanRows"  # of the bodies that the demand lifts
+    rotation: Array  # theta_ratio, (rows,), infinite where the body falls
+    falls: Array  # True where the body falls, (rows,)
 
 
 class FrequencyRange(NamedTuple):
@@ -121,8 +136,21 @@ class FrequencyRange(NamedTuple):
         )
         return float(found.fun), math.exp(found.x)
 
+    def worst(
+        self, omega: float | None, largest: float | None, low: Grid, high: Grid
+    ) -> WorstFrequency:
+        """Return the demands at the worst Omega and at that of the largest rotation;
+        None: at no Omega.
+        """
+        found = self.named(omega, low, high)
+        if largest is None:
+            return found
+        there = self.named(largest, low, high)
+        assert there.frequency is not None
+        return found._replace(largest=(there.grid, there.frequency))
+
     def named(self, omega: float | None, low: Grid, high: Grid) -> WorstFrequency:
-        """Return the demand at the worst Omega; None: at no Omega."""
+        """Return the demand at an Omega; None: at no Omega."""
         if omega is None:
             return WorstFrequency(low, None, None)
         # The ends of the range are used as the user states them, without rounding.
@@ -198,7 +226,7 @@ class FrequencySearch:
 
     def least(self) -> list[float | None]:
         """Return the Omega of the least overturning amplitude of each body, see
-        `at_worst_frequency`.
+        `at_worst_frequency`; None if no amplitude overturns it.
         """
         most = np.array([one.most for one in self.ranges])
         uplift = np.array([one.uplift for one in self.ranges])
@@ -220,11 +248,14 @@ class FrequencySearch:
         for body, one in enumerate(self.ranges):
             own = rows.of_body(body)
             omega, least = self._least_of(one, own, rows, first, lower_inside)
-            if not one.amplitude < least < math.inf:
-                known = rows.omega[own], first[own]
-                found.append(self._of_outcomes(one, body, *known, omega))
-            else:
+            if math.isinf(least):
+                found.append(None)
+            elif one.amplitude < least:
                 found.append(omega)
+            else:
+                found.append(
+                    self._of_outcomes(body, rows.omega[own], first[own], omega)
+                )
         return found
 
     def _first_falls(
@@ -282,48 +313,85 @@ class FrequencySearch:
         self.tell(1.0 - (1.0 - _SCANNED) * 0.5 ** (self.minima_found / _HALF))
         return found
 
-    def _of_outcomes(
-        self, one: FrequencyRange, body: int, scan: Array, first: Array, omega: float
-    ) -> float | None:
-        """Return the worst Omega of a body that no amplitude overturns, or whose least
-        overturning amplitude, at `omega`, is not above the demand. scan, first: Omega
-        of the scan and the first falls there, empty if the body is not lifted.
+    def _of_outcomes(self, body: int, scan: Array, first: Array, omega: float) -> float:
+        """Return the worst Omega of a body whose least overturning amplitude, at
+        `omega`, is not above the demand: `omega` if it falls there, else the one of the
+        frequencies that overturn it, if there are any, that needs the least amplitude.
+        scan, first: Omega of the scan and the first falls there.
         """
-        omegas = np.append(one.scan(), omega)
-        turned, outcome = self._under(np.full(omegas.size, body), omegas)
-        over = ~safe(outcome)
-        known = bool(np.isfinite(first).any())
-        if not known and not over.any():
-            return _of_the_largest(turned, omegas)
-        if not over[-1] and over.any():
-            here = np.flatnonzero(over)
-            return float(omegas[here[first[here].argmin() if known else 0]])
+        here = np.flatnonzero(self._scanned.falls[self._scanned.rows.of_body(body)])
+        if here.size and self._stands(body, omega):
+            return float(scan[here[first[here].argmin()]])
         return omega
+
+    @cached_property
+    def _scanned(self) -> Scanned:
+        """The answers of the bodies that the demand lifts."""
+        uplift = np.array([one.uplift for one in self.ranges])
+        lifted = np.flatnonzero(self.amplitude > uplift).tolist()
+        rows = ScanRows.of(self.ranges, lifted)
+        turned, outcome = self._under(rows.body, rows.omega)
+        falls = ~safe(outcome)
+        return Scanned(rows, np.where(falls, np.inf, turned), falls)
+
+    def largest(
+        self, worst: Sequence[float | None]
+    ) -> Iterator[tuple[float | None, float | None]]:
+        """Yield (worst Omega, Omega of the largest rotation under the demand) of each
+        body: the first is that of `worst`, or without one that of a fall, else that of
+        the largest rotation; the second is None for a body that falls or does not lift.
+
+        The largest rotation of the scan is looked at more closely. If a frequency
+        that is tried then overturns the body, it is the worst one.
+        """
+        rows, rotation, _ = self._scanned
+        bodies = np.unique(rows.body)
+        own = [rows.of_body(body) for body in bodies.tolist()]
+        omega = np.array([rows.omega[i[rotation[i].argmax()]] for i in own])
+        ends = np.array([self.ranges[i].ends for i in bodies.tolist()]).reshape(-1, 2)
+        most, at = np.zeros(bodies.size), np.arange(bodies.size)
+        for share in _CLOSER:
+            apart = _RATIO ** (share * np.linspace(-1.0, 1.0, _TRIED))
+            tried = np.clip(omega[:, None] * apart, ends[:, :1], ends[:, 1:])
+            turned, outcome = self._under(np.repeat(bodies, _TRIED), tried.ravel())
+            turned = np.where(safe(outcome), turned, np.inf).reshape(-1, _TRIED)
+            omega, most = tried[at, turned.argmax(axis=1)], turned.max(axis=1)
+        found = dict(zip(bodies.tolist(), zip(omega, most, strict=True), strict=True))
+        for body, least in enumerate(worst):
+            there, ratio = found.get(body, (None, 0.0))
+            if math.isinf(ratio):
+                yield there if self._stands(body, least) else least, None
+            elif ratio == 0.0:
+                yield least, None
+            else:
+                yield there if least is None else least, there
+
+    def _stands(self, body: int, omega: float | None) -> bool:
+        """True if a body stands under its demand at an Omega, or without one."""
+        if omega is None:
+            return True
+        return bool(safe(self._under(np.array([body]), np.array([omega]))[1])[0])
 
     def _under(self, body: Array, omega: Array) -> tuple[Array, Array]:
         """(theta_ratio, outcome) under the demand of these bodies at these Omega."""
         return self.march.response(body, self.amplitude[body], omega)[:2]
 
     def outcomes_alone(self) -> list[float | None]:
-        """Return for each body an Omega at which the demand overturns it, else that of
-        the largest rotation; None if it does not lift.
+        """Return for each body an Omega at which the demand overturns it, None without
+        one.
         """
-        uplift = np.array([one.uplift for one in self.ranges])
-        lifted = np.flatnonzero(self.amplitude > uplift).tolist()
-        rows = ScanRows.of(self.ranges, lifted)
-        turned, outcome = self._under(rows.body, rows.omega)
+        rows, _, falls = self._scanned
         found: list[float | None] = [None] * len(self.ranges)
         standing = []
-        for body in lifted:
+        for body in np.unique(rows.body).tolist():
             own = rows.of_body(body)
-            over = own[~safe(outcome[own])]
+            over = own[falls[own]]
             if over.size:
                 runs = np.split(over, np.flatnonzero(np.diff(over) > 1) + 1)
                 widest = max(runs, key=len)
                 found[body] = float(rows.omega[widest[widest.size // 2]])
             else:
                 standing.append(body)
-                found[body] = _of_the_largest(turned[own], rows.omega[own])
         for body, omega in self._between(standing):
             found[body] = omega
         return found
@@ -377,13 +445,6 @@ class FrequencySearch:
         )
         found[rows.at_an_end(lowest)] = inside < first
         return found
-
-
-def _of_the_largest(turned: Array, omegas: Array) -> float | None:
-    """Return the Omega of the largest rotation, None if the body does not
-    lift at any.
-    """
-    return float(omegas[np.argmax(turned)]) if turned.any() else None
 
 
 def _minima(own: Array, rows: ScanRows, first: Array) -> Array:

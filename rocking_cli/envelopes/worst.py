@@ -3,6 +3,7 @@ structure, or, if only outcomes are wanted, one at which the demand overturns it
 
 import math
 from collections.abc import Callable, Sequence
+from decimal import ROUND_CEILING, ROUND_FLOOR, Context, Decimal
 from functools import partial
 from typing import NamedTuple
 
@@ -11,7 +12,6 @@ import numpy as np
 from ..dynamics.method import governing_method
 from ..dynamics.outcome import safe
 from ..dynamics.response import Response, response
-from ..dynamics.system import System
 from ..motions import Motion
 from ..motions.grid import Grid
 from ..processes import available_cpus, part_reporter
@@ -24,14 +24,17 @@ from .intervals import A_MAX, in_turn
 _LAST = 0.01
 # ratio of an end of the range and the last frequency that is tried beyond it
 _BEYOND = 10.0
-_TRIED = 48  # frequencies beyond an end
+_TRIED = 48  # frequencies beyond an end: powers of one ratio, whatever the range is
+_CLOSER, _ROUNDS = 8, 5  # parts of a step in which a fall begins, cut so many times
 _TOGETHER = 12  # structures whose cells are marched together, at most
 
 
 class BeyondTheEnd(NamedTuple):
     """The answers of a body to the demand at frequencies beyond an end of the range."""
 
-    overturns: float | None  # the frequency nearest to the end that overturns it [Hz]
+    # the frequency nearest to the end that overturns it [Hz], three digits on the side
+    # of the fall; the same for each range that ends before it
+    overturns: float | None
     # if none does: the frequency of the largest rotation, if it is larger [Hz]
     larger: float | None
     last: float  # the last frequency that was tried [Hz]
@@ -53,9 +56,10 @@ def at_worst_frequency(
     the frequency may be missed. If the demand is above this amplitude, and the body
     stands under it there but falls at other frequencies of the scan, the result is the
     worst of those. If no amplitude up to `a_max` overturns the body, and it stands
-    under the demand, the result is the frequency of the largest rotation. If it does
-    not even lift, no frequency is worse than another: `frequency` is None, and the grid
-    is `low`.
+    under the demand, the result is the frequency of the largest rotation, which
+    `largest` holds for each body that the demand lifts and does not overturn. If it
+    does not even lift, no frequency is worse than another: `frequency` is None, and the
+    grid is `low`.
 
     a_max: None if only outcomes are wanted. Then the result is a frequency of the scan
     at which the demand overturns the body. If there is none, the minima up to 1.5 times
@@ -102,6 +106,8 @@ def at_worst_frequencies(
         return search(group, tell=lambda share: tell(before + share * len(group)))
 
     search = partial(_of_a_group, motion=motion, low=low, high=high, a_max=a_max)
+    if not structures:
+        return []
     several = min(workers or available_cpus(), len(structures))
     # Groups of about equal size, at least one for each process.
     rounds = math.ceil(len(structures) / (several * _TOGETHER))
@@ -140,7 +146,8 @@ def _of_a_group(
     found = FrequencySearch(ranges, motion, tell)
     omegas = found.outcomes_alone() if a_max is None else found.least()
     return [
-        one.named(omega, low, high) for one, omega in zip(ranges, omegas, strict=True)
+        one.worst(*both, low, high)
+        for one, both in zip(ranges, found.largest(omegas), strict=True)
     ]
 
 
@@ -152,25 +159,29 @@ def beyond_the_end(
     """
     method = governing_method(structure, dimensionless=worst.grid.dimensionless)
     amplitude, omega = worst.grid.cell(structure)
-    last = omega / _BEYOND if worst.end == "lower" else omega * _BEYOND
-    omegas = np.geomspace(omega, last, _TRIED + 1)
-    found = _under(method.system_of(structure), structure, motion, amplitude, omegas)
+    system, slower = method.system_of(structure), worst.end == "lower"
+
+    def under(omegas: np.ndarray) -> Response:
+        return response(system, motion, np.full(omegas.size, amplitude), omegas)
+
+    ratio = _BEYOND ** ((-1.0 if slower else 1.0) / _TRIED)
+    begin = math.floor(math.log(omega, ratio)) + 1
+    omegas = np.append(omega, ratio ** np.arange(begin, begin + _TRIED))
+    found = under(omegas)
     hertz = omegas * structure.p / math.tau
     falls = np.flatnonzero(~safe(found.outcome[1:]))
     if falls.size:
-        return BeyondTheEnd(float(hertz[1 + falls[0]]), None, float(hertz[-1]))
+        stands, there = omegas[falls[0]], omegas[falls[0] + 1]
+        for _ in range(_ROUNDS):
+            closer = np.linspace(stands, there, _CLOSER + 1)
+            first = int(np.argmax(~safe(under(closer[1:]).outcome)))
+            stands, there = closer[first], closer[first + 1]
+        nearest = Decimal(float(there * structure.p / math.tau))
+        side = ROUND_FLOOR if slower else ROUND_CEILING
+        return BeyondTheEnd(
+            float(Context(3, side).create_decimal(nearest)), None, float(hertz[-1])
+        )
     largest = int(np.argmax(np.nan_to_num(found.theta_ratio)))
     return BeyondTheEnd(
         None, float(hertz[largest]) if largest else None, float(hertz[-1])
     )
-
-
-def _under(
-    system: System,
-    structure: RockingParameters,
-    motion: Motion,
-    amplitude: float,
-    omegas: np.ndarray,
-) -> Response:
-    """Return the response to one amplitude at several Omega."""
-    return response(system, motion, np.full(omegas.size, amplitude), omegas)

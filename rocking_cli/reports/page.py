@@ -6,9 +6,10 @@ writes a page.
 """
 
 import hashlib
+import math
 import platform
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from datetime import date
 from functools import partial
 from importlib.metadata import version
@@ -30,7 +31,7 @@ from ..motions.records import Record
 from ..plugins import require
 from ..processes import available_cpus, processes
 from ..publishing import check_target, published
-from ..responses.check import Demand, Progress, verdicts
+from ..responses.check import Demand, OfRange, Progress, verdicts
 from ..responses.opposite import opposite_outcomes
 from ..responses.verdict import Verdict
 from ..structures import (
@@ -72,6 +73,14 @@ HEADS = {
 }
 """The columns of the table of verdicts, and the attribute of a verdict in each."""
 
+RANGED = {
+    "worst_f_g": ("least capacity at [Hz]", 1.0),
+    "largest_f_g": ("largest rotation at [Hz]", 1.0),
+    "azimuth": ("least capacity at [deg]", math.degrees(1.0)),
+    "largest_azimuth": ("largest rotation at [deg]", math.degrees(1.0)),
+}
+"""The columns of a range: the attribute of `ranged` (heading, unit)."""
+
 _NAMED = 5  # structures in the title, at most
 _DIGITS = 3  # significant ones of a number in the tables of verdicts
 
@@ -94,8 +103,6 @@ class Asked:
     fragility: bool = True  # curves of records
     # arguments of `code_check`, None without a check by a code
     code: Mapping[str, Any] | None = None
-    # further columns of the table of verdicts, of each structure
-    columns: Mapping[str, Mapping[str, str | float]] = field(default_factory=dict)
 
 
 def page(
@@ -134,7 +141,7 @@ def page(
         remarks=remarks,
         lead=f"{tally(verdicts)}, {shaking}.",
         overview=_overview(cases) if summary else [],
-        verdicts=_details(verdicts, checks, asked.columns),
+        verdicts=_details(verdicts, checks),
         capacities=image(lambda figure: capacities(figure, verdicts, True)),
         structures=_sections(
             [(s, cases[s.structure.name]) for s in subjects],
@@ -200,15 +207,17 @@ def _overview(cases: Mapping[str, Cases]) -> list[dict[str, Any]]:
 
 
 def _details(
-    verdicts: Sequence[Verdict],
-    checks: Sequence[CodeVerdict],
-    columns: Mapping[str, Mapping[str, str | float]],
+    verdicts: Sequence[Verdict], checks: Sequence[CodeVerdict]
 ) -> list[dict[str, Any]]:
     """Return the rows of the table of verdicts."""
     rows = []
     for i, v in enumerate(verdicts):
         cells = dict(zip(HEADS, attrgetter(*HEADS.values())(v), strict=True))
-        cells |= columns.get(v.structure, {})
+        cells |= {
+            RANGED[key][0]: None if x is None else RANGED[key][1] * float(x)
+            for key, x in v.ranged.items()
+            if key in RANGED
+        }
         if checks:
             cells["SLV"] = checks[i].check.sentence("code_slv").removeprefix("SLV: ")
         rows.append(_row(cells, v))
@@ -348,6 +357,7 @@ def write_page(
     overwrite: bool,
     workers: int | None,
     opposite: Callable[[], Sequence[tuple[str, Outcome]]],
+    ranges: Mapping[str, OfRange] | None = None,
     remarks: Callable[[Sequence[Verdict]], Iterable[str]] | None = None,
     recordings: Sequence[Recording] = (),
     vertical: str | None = None,
@@ -355,14 +365,14 @@ def write_page(
 ) -> list[Verdict]:
     """Check the structures under their demands, write the page and return the verdicts.
 
-    opposite: returns the outcomes in the opposite direction by name; remarks: returns
-    sentences on the verdicts; the other arguments are those of `page`. Raises
-    UsageError for a target that cannot or must not be written, before anything is
-    computed, and OutputError.
+    ranges: as of `verdicts`; opposite: returns the outcomes in the opposite direction
+    by name; remarks: returns sentences on the verdicts; the other arguments are those
+    of `page`. Raises UsageError for a target that cannot or must not be written, before
+    anything is computed, and OutputError.
     """
     check_target(Path(target), overwrite)
     require(*WRITTEN_WITH)
-    found = list(verdicts(demands, workers=workers, progress=progress))
+    found = list(verdicts(demands, ranges=ranges, workers=workers, progress=progress))
     outcomes = opposite()
     text = page(
         subjects,

@@ -98,8 +98,38 @@ def _frequencies(shakes: Sequence[tuple[Motion, Grid]]) -> str:
     return at if len(found) == 1 else f"{at}, at the worst for each structure"
 
 
+def _at(v: Verdict, frequency: str, azimuth: str) -> str:
+    """Return where in a range a number of a verdict holds, such as ` at 0.5 Hz`, from
+    its column of a range of frequencies or azimuths; empty without a range.
+    """
+    if (f_g := v.ranged.get(frequency)) is not None:
+        return f" at {f_g:.3g} Hz"
+    if (angle := v.ranged.get(azimuth)) is not None:
+        return f" at {math.degrees(float(angle)):.4g}°"
+    return ""
+
+
+def range_in_words(ranged: str, searched: bool) -> str:
+    """Return the line on the row of a range: which numbers are the least and which the
+    largest; ranged: `frequency` or `azimuth`; searched: True with capacities.
+    """
+    least, most = {
+        "frequency": ("worst_f_g", "largest_f_g"),
+        "azimuth": ("azimuth", "largest_azimuth"),
+    }[ranged]
+    capacity = (
+        f"first_overturning_a and capacity_demand are the least over the range, at"
+        f" {least}; "
+    )
+    return (
+        f"{capacity * searched}theta_ratio and top_displacement are the largest over"
+        f" the range, at {most}"
+    )
+
+
 def verdict_plainly(v: Verdict) -> str:
     """Return a verdict in a sentence or two."""
+    there = _at(v, "worst_f_g", "azimuth")
     first = (
         None
         if v.first_overturning_a is None
@@ -108,7 +138,7 @@ def verdict_plainly(v: Verdict) -> str:
     if v.outcome == Outcome.FAILED:
         said = "Not known: the computation failed."
     elif v.outcome.overturned:
-        said = f"Falls: it {v.outcome.sentence}."
+        said = f"Falls: it {v.outcome.sentence}{there}."
     elif v.outcome == Outcome.LEANING:
         said = (
             "Leans: it comes to rest held by its ties alone, so it counts as falling."
@@ -125,13 +155,16 @@ def verdict_plainly(v: Verdict) -> str:
     else:
         percent = 100.0 * (v.theta_ratio or 0.0)
         shown = float(f"{percent:.{digits_apart(percent, 100.0, 2)}g}")
-        said = f"Stands: it rocks to {shown:g} % of its critical angle."
+        most = _at(v, "largest_f_g", "largest_azimuth")
+        said = f"Stands: it rocks to {shown:g} % of its critical angle{most}."
+        if there and v.capacity_demand is not None:
+            said += f" Its capacity is least{there}."
         if (
             first is not None
             and v.capacity_demand is not None
             and v.capacity_demand < 1.0
         ):
-            said += f" Weaker shaking, from {first}, overturns it."
+            said += f" Weaker shaking, from {first}, overturns it{there}."
     if v.unsettled:
         said += " A change of the demand in its last digits changes this."
     if v.coupling:

@@ -6,17 +6,17 @@ import math
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import cache, partial
-from itertools import islice
+from typing import Any
 
 import numpy as np
 
 from ..dynamics.method import has_direction
+from ..envelopes.amplitudes import Limit
 from ..errors import UsageError, counted
 from ..motions.grid import as_recorded
 from ..motions.recording import Recording
 from ..structures.parameters import RockingParameters
-from .check import Demand, Progress, verdicts
-from .verdict import Verdict
+from .check import Demand, OfRange, Progress, Standing, standings
 
 
 def at_azimuth(pair: Sequence[Recording], azimuth: float) -> Recording:
@@ -55,17 +55,21 @@ def worst_azimuths(
     structures: Sequence[RockingParameters],
     pair: Sequence[Recording],
     azimuths: np.ndarray,
+    limit: Limit | None = None,
     *,
     workers: int | None = None,
     progress: Progress | None = None,
-) -> list[tuple[float, Demand]]:
-    """Return (worst azimuth [rad], demand) for each structure: the first azimuth that
-    overturns it; if none does, that of the largest rotation, or of the largest
-    acceleration if nothing rocks. Structures whose sides differ are shaken in the
-    opposite directions too.
+) -> list[tuple[Demand, OfRange]]:
+    """Return (demand in the worst direction, what the range adds to its verdict) for
+    each structure. The worst direction is the one with the least capacity, among those
+    that overturn the structure if there are any. Without a capacity it is the direction
+    of the largest rotation, or slide, or of the largest acceleration if nothing moves.
+    Structures whose sides differ are shaken in the opposite directions too.
 
+    limit: the largest amplitude of the search for capacities, None without a search.
     Raises UsageError as `at_azimuth` and `check` do.
     """
+    limit = limit if azimuths.size > 1 else None
     turned = cache(partial(at_azimuth, pair))
     tried: list[list[tuple[float, Demand]]] = []
     for s in structures:
@@ -82,21 +86,22 @@ def worst_azimuths(
                 for angle in angles
             ]
         )
-    found = verdicts(
-        [demand for several in tried for _, demand in several],
-        a_max=None,
-        workers=workers,
-        progress=progress,
-    )
-    return [
-        max(
-            zip(map(_rank, islice(found, len(several))), several, strict=True),
-            key=lambda pair: pair[0],
-        )[1]
-        for several in tried
-    ]
+    every = [demand for several in tried for _, demand in several]
+    answers = standings(every, a_max=limit, workers=workers, progress=progress)
+    found = []
+    for several in tried:
+        own = [(*one, next(answers)) for one in several]
+        azimuth, demand, least = max(own, key=_severity)
+        there, further, most = max(own, key=lambda one: one[2].moved or 0.0)
+        rocks = not least.falls and bool(most.moved)
+        columns = {"azimuth": azimuth, "largest_azimuth": there if rocks else None}
+        found.append((demand, OfRange(columns, further if rocks else None)))
+    return found
 
 
-def _rank(verdict: Verdict) -> tuple[bool, float, float]:
-    share = 0.0 if verdict.uplift_a is None else verdict.demand_a / verdict.uplift_a
-    return not verdict.outcome.safe, verdict.theta_ratio or 0.0, share
+def _severity(one: tuple[float, Demand, Standing]) -> tuple[Any, float]:
+    """Return the severity of a demand; of those under which nothing moves the largest
+    acceleration counts.
+    """
+    _, (_, _, grid), standing = one
+    return standing.severity, float(grid.amplitude.values[0])

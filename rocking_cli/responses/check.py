@@ -3,7 +3,7 @@ and the outcome by the linear equation.
 """
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from itertools import chain
@@ -39,12 +39,23 @@ from .verdict import FLOOR_COLUMNS, Verdict
 
 if TYPE_CHECKING:
     from ..envelopes.lowest_fall import FallSearch
+    from .sliding import SlideHistory
 
 Demand = tuple[RockingParameters, Motion, Grid]
 # Called with the number of finished stages, of which a part counts as a fraction, and
 # of all.
 Progress = Callable[[float, int], None]
 Judged = TypeVar("Judged")  # what is found of a demand
+
+
+class OfRange(NamedTuple):
+    """What a range of frequencies or azimuths adds to the verdict on a demand."""
+
+    columns: Mapping[str, float | str | None]  # as `ranged` of `Verdict`
+    # the demand of the range under which the rotation is largest, None if the body
+    # falls or does not lift
+    largest: Demand | None
+
 
 _STAGES = 3  # of a verdict: responses, search, history
 _SEARCHED = 0.95  # of a verdict whose search is long: about its share
@@ -118,15 +129,22 @@ def outcome_alone(
 ) -> Outcome:
     """Return only the outcome of the verdict of `check`."""
     if friction_that_slides(structure) is not None:
-        from .sliding import slide_history
-
-        slide = slide_history(structure, motion, shaking)
-        assert slide is not None  # it slides
-        return slide.outcome
+        return _slide(structure, motion, shaking).outcome
     _, _, amplitude, omega, method, _ = capacity_search(structure, motion, shaking, 0.0)
     return Outcome(
         int(respond(method, structure, motion, np.array([amplitude]), omega).outcome[0])
     )
+
+
+def _slide(
+    structure: RockingParameters, motion: Motion, shaking: Grid
+) -> "SlideHistory":
+    """Return the sliding of a structure that slides."""
+    from .sliding import slide_history
+
+    slide = slide_history(structure, motion, shaking)
+    assert slide is not None  # it slides
+    return slide
 
 
 def first_overturning(
@@ -157,12 +175,22 @@ class Standing(NamedTuple):
 
     outcome: Outcome  # by the governing equation
     capacity_demand: float | None  # as of `Verdict`
+    # theta_ratio [-], of a body that slides its slide [m]; None if it falls
+    moved: float | None
     narrow: bool = False  # True if many narrow intervals overturn the body
 
     @property
     def falls(self) -> bool:
         """True if the body overturned, lost contact or rests leaning."""
         return self.outcome.falls
+
+    @property
+    def severity(self) -> tuple[bool, float, float]:
+        """Of two demands the worse one has the larger one: it falls, or has the lesser
+        capacity, or else moves further.
+        """
+        needs = 1.0 / self.capacity_demand if self.capacity_demand else 0.0
+        return not self.outcome.safe, needs, self.moved or 0.0
 
 
 def _standing(
@@ -174,18 +202,23 @@ def _standing(
     answer: Shaken | None,
     done: Callable[[float], None],
 ) -> Standing:
-    """Return the outcome and the capacity over the demand of `check`, without the other
-    fields of its verdict; parameters as of `_judged`.
+    """Return the outcome, the capacity over the demand and the rotation of `check`,
+    without the other fields of its verdict; parameters as of `_judged`.
     """
     if friction_that_slides(structure) is not None:
-        return Standing(outcome_alone(structure, motion, shaking), None)
+        slide = _slide(structure, motion, shaking)
+        return Standing(slide.outcome, None, slide.slide_max)
     if answer is None:
         answer = answer_of(capacity_search(structure, motion, shaking, a_max or 0.0))
+    rotation = float(answer.theta_ratio[0])
+    moved = rotation if math.isfinite(rotation) else None
+    if a_max is None:
+        return Standing(answer.outcome, None, moved)
     found = answer.search.capacity(begun, done)
     first, _ = answer.lowest(found)
     demand = float(structure.ground_acceleration(answer.search.amplitude))
     capacity = None if first is None else first / demand
-    return Standing(answer.outcome, capacity, found.share_of_falls > 0.0)
+    return Standing(answer.outcome, capacity, moved, found.share_of_falls > 0.0)
 
 
 def _judged(
@@ -288,6 +321,7 @@ def _of_floor(motion: Motion, a_g: float) -> dict[str, Any]:
 def verdicts(
     demands: Sequence[Demand],
     *,
+    ranges: Mapping[str, OfRange] | None = None,
     a_max: float | Limit | None = A_MAX,
     workers: int | None = None,
     progress: Progress | None = None,
@@ -296,6 +330,7 @@ def verdicts(
     """Yield the verdict on each demand (structure, motion, shaking), in their order, as
     soon as it is found.
 
+    ranges: what a range adds, by the name of the structure, which has one demand;
     a_max: an A, or an acceleration for every structure, None for no search; workers:
     number of processes, None for all cores if that saves time; progress: called with
     the number of finished checks, of which a part counts as a fraction, and of all;
@@ -304,19 +339,42 @@ def verdicts(
     and OutputError when a worker process dies.
     """
     judge = partial(_judged, forces=forces)
-    yield from _dealt(judge, demands, a_max, workers, progress)
+    of_ranges = [(ranges or {}).get(structure.name) for structure, _, _ in demands]
+    further = [one.largest for one in of_ranges if one and one.largest]
+    largest = iter(list(_dealt(judge, further, None, workers, None)))
+    found = _dealt(judge, demands, a_max, workers, progress)
+    for verdict, one in zip(found, of_ranges, strict=True):
+        yield verdict if one is None else _with_range(verdict, one, largest)
+
+
+def _with_range(verdict: Verdict, one: OfRange, largest: Iterator[Verdict]) -> Verdict:
+    """Return the verdict with the largest rotation of the range; largest: the verdicts
+    on the demands `largest`, in the order of the rows.
+    """
+    found = replace(verdict, ranged=one.columns)
+    if one.largest is None:
+        return found
+    there = next(largest)
+    return replace(
+        found,
+        theta_ratio=there.theta_ratio,
+        top_displacement=there.top_displacement,
+        unsettled=verdict.unsettled or there.unsettled,
+        outcome=there.outcome if there.falls else verdict.outcome,
+    )
 
 
 def standings(
     demands: Sequence[Demand],
     *,
-    a_max: float | Limit,
+    a_max: float | Limit | None,
     workers: int | None = None,
+    progress: Progress | None = None,
 ) -> Iterator[Standing]:
-    """Yield outcome and capacity of the verdict on each demand, as `verdicts` does, in
-    less time: nothing else is computed.
+    """Yield outcome, capacity and rotation of the verdict on each demand, as `verdicts`
+    does, in less time: nothing else is computed.
     """
-    yield from _dealt(_standing, demands, a_max, workers, None)
+    yield from _dealt(_standing, demands, a_max, workers, progress)
 
 
 def _dealt(

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from ..dynamics.method import has_direction
 from ..dynamics.outcome import Outcome
 from ..envelopes.amplitudes import Limit
-from .check import Demand, outcome_alone, standings, verdicts
+from .check import Demand, outcome_alone, standings
 
 
 def opposite_outcomes(demands: Sequence[Demand]) -> list[tuple[str, Outcome]]:
@@ -29,22 +29,7 @@ def opposite_is_worse(
     falls, or has the lesser capacity, or else rocks further. limit: largest amplitude
     of the search for capacities, None without a search.
     """
-    every, count = [*demands, *opposite], len(demands)
-    if limit is None:
-        severities = [(outcome_alone(*demand).falls, 0.0) for demand in every]
-    else:
-        severities = [
-            (one.falls, 1.0 / one.capacity_demand if one.capacity_demand else 0.0)
-            for one in standings(every, a_max=limit, workers=workers)
-        ]
-    pairs = list(zip(severities[:count], severities[count:], strict=True))
-    worse = [there > here for here, there in pairs]
-    equal = [i for i, (here, there) in enumerate(pairs) if here == there]
-    turned = [
-        one.theta_ratio or 0.0
-        for i in equal
-        for one in verdicts([demands[i], opposite[i]], a_max=None)
-    ]
-    for i, here, there in zip(equal, turned[::2], turned[1::2], strict=True):
-        worse[i] = there > here
-    return worse
+    found = list(standings([*demands, *opposite], a_max=limit, workers=workers))
+    severities = [one.severity for one in found]
+    here, there = severities[: len(demands)], severities[len(demands) :]
+    return [worse > less for less, worse in zip(here, there, strict=True)]

@@ -1,5 +1,6 @@
 """The verdict on a structure under one motion, as a record and as a row."""
 
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
@@ -114,6 +115,9 @@ class Verdict(Shown):
     floor_pga: of a body on a floor of a building: largest acceleration of the floor
         [m/s2]
     floor_chord: what its straight lines miss at most, over floor_pga [-]
+    ranged: columns of a range of frequencies [Hz] or azimuths [rad]: where the capacity
+        is least (worst_f_g, azimuth), and where theta_ratio and top_displacement are
+        largest (largest_f_g, largest_azimuth); the other numbers are those of the first
 
     Examples
     --------
@@ -174,6 +178,9 @@ class Verdict(Shown):
     floor_pga: float | None = None
     # what its straight lines miss at most, over floor_pga [-]
     floor_chord: float | None = None
+    # columns of a range of frequencies [Hz] or azimuths [rad]: where the capacity is
+    # least, and where the rotation is largest
+    ranged: Mapping[str, float | str | None] = field(default_factory=dict)
 
     # lowest overturning amplitude over the demand [-]; None if nothing overturns it
     capacity_demand: float | None = field(init=False)
@@ -225,7 +232,8 @@ class Verdict(Shown):
             "outcome": self.outcome.flag,
             "outcome_linear": self.outcome_linear.flag,
         }
-        found = {key: own[key] for key in CHECK_COLUMNS}
+        keys = {key: own[key] for key in CHECK_KEYS}
+        found = keys | dict(self.ranged) | {key: own[key] for key in CHECK_COLUMNS}
         if self.opens is not None:
             found["opens"] = self.opens
         if self.lost_in_fall:

@@ -1,10 +1,13 @@
 """`rocking check` at the shell."""
 
+import math
+
+import numpy as np
 import pytest
 from support.record_layouts import at2, of_a_station, wave
 from support.synthetic_records import noise
 
-from rocking_cli import load_structures
+from rocking_cli import load_structures, nonlinear_response, sine
 from rocking_cli.envelopes.capacity import Capacity
 
 # which the linear equation governs, which is quicker
@@ -683,7 +686,12 @@ def test_the_worst_frequency_of_a_range_is_exact(rocking):
         *motion,
         "--json",
     ).record
-    assert {**there, "worst_f_g": row["worst_f_g"], "worst_f_g_end": "lower"} == row
+    of_range = ("worst_f_g", "worst_f_g_end", "largest_f_g")
+    apart = (*of_range, "theta_ratio", "top_displacement")
+    assert {k: x for k, x in row.items() if k not in apart} == {
+        k: x for k, x in there.items() if k not in apart
+    }
+    assert row["worst_f_g_end"] == "lower"
     assert "demand: a_g 0.981 m/s2 = 0.1 g, f_g 0.71429 to 0.83333 Hz" in done.stderr
     assert (
         "worst_f_g [Hz]"
@@ -691,6 +699,62 @@ def test_the_worst_frequency_of_a_range_is_exact(rocking):
             "check", STATED, "--a-g", "0.26g", "--f-g", "0.7:0.75", "--verdict-only"
         ).stdout
     )
+
+
+@pytest.mark.parametrize("more", [(), ("--verdict-only",)], ids=["searched", "alone"])
+def test_rotation_and_displacement_are_the_largest_of_the_range(rocking, more):
+    """The least amplitude is that of 0.5 Hz, where the body rocks to 0.168 of alpha.
+    No frequency of a raster of 0.5 % rocks it further than that of the row.
+    """
+    body = ("block:0.4x1.8", "--a-g", "0.25g")
+    row = rocking("check", *body, "--f-g", "0.5:5", *more, "--json").record
+    there = rocking(
+        "check", *body, "--f-g", repr(row["largest_f_g"]), "--verdict-only", "--json"
+    ).record
+    for key in ("theta_ratio", "top_displacement"):
+        assert row[key] == pytest.approx(there[key], rel=1e-9)
+    (structure,) = load_structures(body[0])
+    omegas = math.tau * np.geomspace(0.5, 5.0, 461) / structure.p
+    amplitude = np.full(461, structure.dimensionless_amplitude(0.25 * 9.81))
+    raster = nonlinear_response(
+        sine(), amplitude, omegas, structure.eta, structure.alpha
+    )
+    most = float(raster.theta_ratio.max())
+    assert most * (1.0 - 1e-9) <= row["theta_ratio"] <= most * (1.0 + 1e-4)
+    if not more:
+        assert (row["worst_f_g"], row["worst_f_g_end"]) == (0.5, "lower")
+
+
+def test_the_threshold_of_slow_motions_is_that_of_the_body_not_of_the_range(rocking):
+    found = [
+        rocking("check", "block:0.4x1.8", "--a-g", "0.25g", "--f-g", f, "--a-max", "3")
+        for f in ("0.45:2", "0.5:2", "0.7:3")
+    ]
+    said = {done.stderr.partition("worse (")[2].partition(" Hz")[0] for done in found}
+    assert said == {"0.419"}
+    stands, falls = (
+        rocking("check", "block:0.4x1.8", "--a-g", "0.25g", "--f-g", f, "--json").record
+        for f in ("0.42", "0.419")
+    )
+    assert stands["outcome"] == "rocked"
+    assert falls["outcome"].startswith("overturned")
+
+
+def test_a_body_that_slides_leaves_a_range_to_the_others(rocking):
+    """It slides furthest at the lowest frequency, by 1/f2."""
+    slider, other = "block:0.6x1.5,friction=0.2", "block:0.4x1.8"
+    shaking = ("--a-g", "0.25g", "--verdict-only", "--json")
+    done = rocking("check", other, slider, *shaking, "--f-g", "0.5:5")
+    alone = rocking("check", other, *shaking, "--f-g", "0.5:5").record
+    at_the_end, twice = (
+        rocking("check", slider, *shaking, "--f-g", f).record for f in ("0.5", "1")
+    )
+    rocks, slides = done.records
+    assert rocks == alone
+    assert (slides["outcome"], slides["worst_f_g"]) == ("slid", 0.5)
+    assert slides["slide_max"] == at_the_end["slide_max"]
+    assert slides["slide_max"] == pytest.approx(4.0 * twice["slide_max"], rel=1e-12)
+    assert f"further under slower motions (by 1/f2): {slider[:13]}" in done.stderr
 
 
 @pytest.mark.slow

@@ -61,7 +61,7 @@ def judged(monkeypatch):
                 capacity(h)
                 for capacity, h in zip(cycle(capacities), heights, strict=False)
             ]
-            return [Standing(Outcome.ROCKED, c) for c in found]
+            return [Standing(Outcome.ROCKED, c, 0.0) for c in found]
 
         def withstand(searches, margin, **_):
             demands = [(one.structure, one.motion, None) for one in searches]

@@ -12,9 +12,11 @@ from support.record_layouts import wave
 from support.synthetic_records import recorded
 
 from rocking_cli import UsageError, check
+from rocking_cli.envelopes.amplitudes import Limit
 from rocking_cli.motions.grid import as_recorded
 from rocking_cli.motions.records.record import record_motion
 from rocking_cli.responses.azimuth import at_azimuth, worst_azimuths
+from rocking_cli.responses.check import verdicts
 
 BODY = built("{kind: block, name: A, width: 0.5, height: 2}")
 ONE_SIDED = built(
@@ -52,9 +54,10 @@ def test_a_motion_in_one_direction_is_worst_there(degrees):
         component(turn * SAMPLES)
         for turn in (math.cos(math.radians(degrees)), math.sin(math.radians(degrees)))
     ]
-    (angle, (_, motion, grid)), (other, _) = worst_azimuths(
+    ((_, motion, grid), one), (_, of_other) = worst_azimuths(
         [BODY, ONE_SIDED], pair, AZIMUTHS, workers=1
     )
+    angle, other = one.columns["azimuth"], of_other.columns["azimuth"]
     assert math.degrees(angle) == pytest.approx(degrees)
     assert float(grid.amplitude.values[0]) == pytest.approx(3.4, rel=1e-9)
     alone = [
@@ -74,24 +77,30 @@ def test_a_motion_in_one_direction_is_worst_there(degrees):
     assert motion.name == f"r {degrees} deg"
 
 
-@pytest.mark.slow
-def test_the_worst_is_that_of_every_direction_checked_by_itself():
+def test_the_capacity_is_the_least_and_the_rotation_the_largest_of_all_directions():
+    """Every direction checked by itself: they are two different ones."""
     second = (
         2.6 * np.sin(0.7 * np.arange(120.0)) * np.sin(np.pi * np.arange(120.0) / 119.0)
     )
-    ((found, (_, motion, grid)),) = worst_azimuths(
-        [BODY], [component(SAMPLES), component(second)], AZIMUTHS, workers=1
+    pair = [component(SAMPLES), component(second)]
+    (((structure, motion, grid), one),) = worst_azimuths(
+        [BODY], pair, AZIMUTHS, Limit(6.0), workers=1
     )
     turned = {
         a: record_motion(component(math.cos(a) * SAMPLES + math.sin(a) * second).record)
         for a in AZIMUTHS.tolist()
     }
-    verdicts = {
-        a: check(BODY, m, as_recorded(m.acceleration), a_max=None)
+    alone = {
+        a: check(BODY, m, as_recorded(m.acceleration), a_max=6.0)
         for a, m in turned.items()
     }
-    ratios = {a: math.inf if v.falls else v.theta_ratio for a, v in verdicts.items()}
-    assert ratios[found] == max(ratios.values()) > 0.0
-    assert (
-        check(BODY, motion, grid, a_max=None).theta_ratio == verdicts[found].theta_ratio
+    (row,) = verdicts(
+        [(structure, motion, grid)], ranges={"A": one}, a_max=6.0, workers=1
     )
+    least = min(alone, key=lambda a: alone[a].capacity_demand)
+    largest = max(alone, key=lambda a: alone[a].theta_ratio)
+    assert least != largest
+    assert row.ranged == {"azimuth": least, "largest_azimuth": largest}
+    assert row.capacity_demand == alone[least].capacity_demand
+    assert row.theta_ratio == alone[largest].theta_ratio > alone[least].theta_ratio
+    assert row.top_displacement == alone[largest].top_displacement
