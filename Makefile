@@ -5,7 +5,7 @@ CODE := $(shell find rocking_cli -type f -not -path '*/__pycache__/*')
 CONFIGS := $(shell find configs -type f)
 TESTS := $(shell find tests -type f -not -path '*/__pycache__/*')
 
-.PHONY: help demo test lint quick docs figures study code-study bench database golden trace schema soak ladder mutants readers validate clean
+.PHONY: help demo test lint quick docs figures study code-study bench database golden trace soak ladder mutants readers validate clean
 
 .DEFAULT_GOAL := help
 # Two processes of tests have two cores: threads of OpenBLAS would wait for each other.
@@ -110,10 +110,6 @@ bench: $(STAMPS)/dev ## Speed and error of every scene
 	.venv/bin/python tests/bench/left_out.py
 	rm -rf out/base && mkdir -p out/base && git archive $(BASE) rocking_cli | tar -x -C out/base
 	PYTHONPATH=tests:$(CURDIR) .venv/bin/python tests/bench/waiting.py --base out/base
-
-schema: $(STAMPS)/dev ## The JSON Schema of the documents, after a change of their keys
-	.venv/bin/python -c "from rocking_cli.structures.schema import made_text as made; print(made(), end='')" > schema.json
-	mv schema.json rocking_cli/structures/schema.json
 
 # Records at the scale of a database, minutes: 200 x 10^4 cells, the nonlinear equation, first and all intervals of overturning.
 database: $(STAMPS)/dev ## Records at the scale of a database, minutes

@@ -2,7 +2,6 @@
 the shipped documents, the schema, the options. Sentences say what is missing.
 """
 
-import json
 import re
 from importlib import import_module
 from inspect import signature
@@ -16,17 +15,14 @@ from support.shown_commands import README, ROOT
 from rocking_cli.commands import cli
 from rocking_cli.commands.ground import OF_A_PULSE
 from rocking_cli.commands.help import page
-from rocking_cli.documents.asking import AskedDocument, Questions, plain_of
 from rocking_cli.documents.quantities import UNITS, si_unit
 from rocking_cli.motions.intensity_measures import MEASURES, Measure, measure_of
 from rocking_cli.motions.pulses import PULSES
 from rocking_cli.motions.records import FORMATS
 from rocking_cli.reports.units import Units, dimension_of_measure
-from rocking_cli.structures import build_structure, read_documents
-from rocking_cli.structures.kinds import KINDS, known_keys, sizes_of
+from rocking_cli.structures.kinds import KINDS, keys_of, sizes_of
 
 PAGES = "rocking_cli/commands/pages"
-SCHEMA = ROOT / "rocking_cli" / "structures" / "schema.json"
 
 
 def in_one_line(text):
@@ -53,7 +49,6 @@ def test_a_pulse(pulse):
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_kind(kind):
     rows = re.findall(r"^\| .* \| ", README.read_text(encoding="utf-8"), re.MULTILINE)
-    definitions = json.loads(SCHEMA.read_text(encoding="utf-8"))["definitions"]
     reported = import_module(f"rocking_cli.structures.kinds.{KINDS[kind]}").REPORTS
     text = page("documents")
     form = f"{kind}: {' x '.join(sizes_of(kind) or ())}"
@@ -68,26 +63,10 @@ def test_a_kind(kind):
             f"no row of {kind} in the table of kinds of README.md": any(
                 re.search(rf"\b{kind}\b", row) for row in rows
             ),
-            f"no line of {kind} in {PAGES}/documents.txt": re.search(
-                rf"^  {kind}  ", text, re.MULTILINE
-            ),
             f"no `{form}` in {PAGES}/documents.txt": told or not sizes_of(kind),
-            f"no {kind} in schema.json; `make schema` writes it": kind in definitions,
+            f"no KEYS of {kind}": keys_of(kind).all,
         }
     )
-
-
-def test_every_key_of_a_kind_is_in_the_schema():
-    """A key that is missing there would be a label in a row of another kind."""
-    asked = {}
-    for path in sorted((ROOT / "configs").glob("*.yaml")):
-        for document in read_documents(path):
-            log = Questions()
-            plain = {key: plain_of(value) for key, value in document.values.items()}
-            build_structure(AskedDocument.of(plain, log))
-            asked |= dict.fromkeys((k for k in log.known if "." not in k), path.name)
-    missing = {key: name for key, name in asked.items() if key not in known_keys()}
-    assert not missing, f"schema.json lacks keys of these files: {missing}; make schema"
 
 
 @pytest.mark.parametrize("name", FORMATS)
@@ -160,9 +139,7 @@ def test_an_intensity_measure(measure):
     require(
         {
             f"{measure.name}: no dimension {measure.dimension!r} in UNITS of"
-            " rocking_cli/documents/quantities.py; for a new one then `make schema`": (
-                measure.dimension in UNITS
-            ),
+            " rocking_cli/documents/quantities.py": (measure.dimension in UNITS),
             f"no {measure.name} in the docstring of commands/fragility.py": re.search(
                 word, of_fragility.partition("Measures:")[2]
             ),

@@ -24,6 +24,7 @@ TOPICS = {
     "changes": "Stable interfaces, and changes by version.",
 }
 
+_LISTS = "KEYS OF EACH KIND"  # the place of the lists that the tables of keys give
 _NAMES = Registered("commands.help.TOPICS", *COMMANDS)
 
 
@@ -125,4 +126,9 @@ def page(name: str) -> str:
     --help.
     """
     found = files(__package__) / "pages" / f"{name}.txt"
-    return found.read_text(encoding="utf-8") if found.is_file() else ""
+    text = found.read_text(encoding="utf-8") if found.is_file() else ""
+    if _LISTS not in text:
+        return text
+    from ..structures.templates import key_lists
+
+    return text.replace(_LISTS, key_lists())

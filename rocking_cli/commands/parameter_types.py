@@ -97,7 +97,10 @@ class VariedKey(click.ParamType):
             with suppress(RockingError):
                 for document in read_documents(path):
                     build_structure(document)
-                    known |= dict.fromkeys(document.dimensions)
+                    quantities = [
+                        k for k, key in document.table.items() if key.is_quantity
+                    ]
+                    known |= dict.fromkeys([*quantities, *document.dimensions])
         return [
             CompletionItem(f"{key}=")
             for key in known or sorted(known_keys())

@@ -8,35 +8,44 @@ by which `1e-3` is a string, `010` is eight, `no` is a boolean and `1:30` is nin
 from __future__ import annotations
 
 import json
-import math
 import re
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
+from typing import Any
 
 from ..errors import ArgumentError, DocumentError, did_you_mean
 from .composition import Place, Value
+from .keys import Key, Keys, both, length
 from .quantities import (
     FACTORS,
-    SMALLEST_LENGTH,
     accepted,
     is_bare,
     parse_quantity,
+    si_unit,
 )
-from .spreads import MOST_CUT, Spread, is_spread, parse_spread
+from .spreads import MOST_CUT, Spread, has_no_unit, is_spread, parse_spread
 from .table import ITEM, Cell, split_heading, text_of_row
 
+# words of this field that a column may have for a key, and the key
 MEANT = {
-    "eta": "restitution",
-    "e": "restitution",
-    "zeta": "damping",
+    **dict.fromkeys(("eta", "e", "cor"), "restitution"),
+    **dict.fromkeys(("mu", "cof"), "friction"),
+    **dict.fromkeys(("zeta", "xi"), "damping"),
     "g": "gravity",
     "r": "radius",
     "h": "height",
     "b": "width",
+    "t": "thickness",
+    "rho": "density",
     "weight": "mass",
 }
-_A_LENGTH = f"a positive length, from {SMALLEST_LENGTH:g} m"
+# words for a mass centre, which no key of most kinds states
+_CENTRES = (
+    *("centroid", "barycentre", "barycenter", "eccentricity", "cg", "cog"),
+    *(axis + end for axis in "xyz" for end in ("g", "cg")),
+)
+_NUMBER, _LENGTH = Key("number"), length()
 LABELS = "labels"  # the key of texts that the computation does not use
 
 
@@ -57,8 +66,9 @@ class Document:
 
     `read_documents` and `parse_documents` make documents; `build_structure` and
     `family` take them. A kind of structure reads a document with `quantity`, `length`,
-    `choice`, `flag`, `integer`, `word`, `pair` and `parts`. Each of these methods marks
-    its key as asked for, and `finish` refuses the other keys.
+    `choice`, `flag`, `integer`, `word`, `pair` and `parts`; what a call does not state,
+    such as the limits of a number, is that of the declared key. Each of these methods
+    marks its key as asked for, and `finish` refuses the other keys.
 
     Examples
     --------
@@ -88,6 +98,9 @@ class Document:
     # the document around this one, and the path there
     within: tuple[Document, str] | None = None
     cells: tuple[Cell, ...] = ()  # of a row of a table, whose other columns are labels
+    table: dict[str, Key] = field(default_factory=dict)  # the declared keys
+    # remarks on unusual values, by their path
+    doubts: dict[str, str] = field(default_factory=dict)
 
     def __repr__(self) -> str:
         number = f", document {self.index + 1}" * (self.index > 0)
@@ -159,27 +172,47 @@ class Document:
         from difflib import get_close_matches
 
         left = [other for other in self.keys if other not in self.asked]
-        for other in left:
-            if split_heading(other)[0] == key:
-                return self._unknown(other)
         for other in get_close_matches(key, left, n=1, cutoff=0.75):
             return DocumentError(
                 f"{self.keys[other]}: unknown key {other!r} (did you mean {key!r}?)"
             )
         return DocumentError(f"{self.place}: no key {key!r}; expected {key}: {wanted}")
 
-    def quantity(
-        self,
-        key: str,
-        dimension: str,
-        *,
-        above: float = -math.inf,
-        below: float = math.inf,
-        least: float = -math.inf,
-        most: float = math.inf,
-        where: str = "",
-        default: float | None = None,
-    ) -> float:
+    def declare(
+        self, keys: Keys, elsewhere: Callable[[], Collection[str]] = frozenset
+    ) -> None:
+        """Take a table of keys: the methods below read the document by it.
+
+        Parameters
+        ----------
+        keys
+            the keys that the document may have
+        elsewhere
+            as in `finish`
+
+        Raises
+        ------
+        DocumentError
+            for a key that is not in the table, and for keys that say one thing in two
+            ways
+        """
+        self.table = keys.all
+        self._refuse([key for key in self.keys if key not in keys.all], elsewhere)
+        for group, ways in enumerate(keys.ways):
+            if keys.way(self.keys, group) < 0:
+                given = [key for key in keys.all if self.has(key)]
+                for i, key in enumerate(given):
+                    for other in given[:i]:
+                        if keys.way((key, other), group) < 0:
+                            wanted = ", or ".join(both(way.required) for way in ways)
+                            only = "not both" if len(ways) == 2 else "not several"
+                            raise self.fault(
+                                key,
+                                f"{key} together with {other}",
+                                f"{wanted}, {only}",
+                            )
+
+    def quantity(self, key: str, dimension: str | None = None, **limits: Any) -> float:
         """Return the SI value of a key.
 
         Parameters
@@ -187,15 +220,12 @@ class Document:
         key
             key of the document
         dimension
-            "length", "angle", "acceleration", "number" or another key of `UNITS`
-        above, below
-            limits that the value itself must not reach [SI]
-        least, most
-            limits that the value may reach [SI]
-        where
-            the range in words, for the message; by default made of the limits
-        default
-            the value of an absent key [SI], None if the key is required
+            "length", "angle", "acceleration", "number" or another key of `UNITS`, by
+            default that of the declared key
+        limits
+            instead of those of the declared key: `above`, `below` (the value itself
+            must not reach them), `least`, `most` [SI]; `where`, the range in words;
+            `default`, the value of an absent key, None if the key is required
 
         Returns
         -------
@@ -207,42 +237,77 @@ class Document:
         DocumentError
             for an absent required key, another unit, or a value out of range
         """
+        told = self.table.get(key, _NUMBER)
+        return self._quantity(key, told.narrowed(form=dimension, **limits))
+
+    def _quantity(self, key: str, told: Key) -> float:
+        """Return the SI value of a key of this form. Raises DocumentError."""
+        dimension = told.form
         self.dimensions[key] = dimension
         if self.within:
             self.within[0].dimensions[f"{self.within[1]}.{key}"] = dimension
         if not self.has(key):
-            if default is None:
+            if told.default is None:
                 raise self.missing(key, accepted(dimension))
-            return default
+            return float(told.default)
         value = self.values[key]
+        wanted = told.range() if told.words else accepted(dimension)
         if not isinstance(value.content, str):
-            raise self.fault(key, str(value), accepted(dimension))
+            raise self.fault(key, str(value), wanted)
         spread = None
         try:
             if is_spread(value.content):
                 spread = parse_spread(value.content, dimension)
             number = spread.mean if spread else parse_quantity(value.content, dimension)
         except ArgumentError as error:
-            raise self.fault(key, str(value), str(error)) from None
-        if dimension == "length" and is_bare(value.content):
+            said = is_spread(value.content) or not told.words
+            raise self.fault(key, str(value), str(error) if said else wanted) from None
+        bare = is_bare(value.content)
+        if dimension == "length" and bare:
             self.note_bare(key, number, value.place)
         ends = (spread.first, spread.second) if spread and spread.bounded else (number,)
-        if not all(above < x < below and least <= x <= most for x in ends):
-            hint = (
-                " (a bare number is in rad)"
-                if dimension == "angle" and is_bare(value.content)
-                else ""
-            )
-            raise self.fault(
-                key,
-                str(value),
-                (where or _range_text(above, below, least, most)) + hint,
-            )
+        if not all(map(told.holds, ends)):
+            hint = " (a bare number is in rad)" if dimension == "angle" and bare else ""
+            raise self.fault(key, str(value), told.range() + hint)
         if spread and not spread.certain:
-            self._note_uncertain(
-                key, spread, dimension, max(above, least), min(below, most)
-            )
+            self._note_uncertain(key, spread, dimension, told.low, told.high)
+        if told.usual and has_no_unit(value.content):
+            doubt = told.usual.doubt(number, si_unit(dimension))
+            self._note_doubt(key, doubt, value.place)
         return number
+
+    def optional(self, key: str) -> float | None:
+        """Return the SI value of a declared key, None without one.
+
+        Parameters
+        ----------
+        key
+            key of the document
+
+        Returns
+        -------
+        float or None
+            None if the key is absent, or has a word such as `auto` that may stand in
+            place of a value
+
+        Raises
+        ------
+        DocumentError
+            as `quantity` does
+        """
+        if not self.has(key) or self.values[key].content in self.table[key].words:
+            return None
+        return self.quantity(key)
+
+    def _note_doubt(self, path: str, doubt: str, place: Place) -> None:
+        """Note a remark on a value, if there is one, in the outermost document."""
+        if not doubt:
+            return
+        if self.within is None:
+            self.doubts[path] = f"{place}: {path}: {doubt}"
+        else:
+            outer, own = self.within
+            outer._note_doubt(f"{own}.{path}", doubt, place)
 
     def _note_uncertain(
         self, path: str, spread: Spread, dimension: str, low: float, high: float
@@ -257,7 +322,7 @@ class Document:
         if (cut := spread.cut(low, high)) > MOST_CUT:
             value = self.value_at(path)
             place = self.place if value is None else value.place
-            inside = _range_text(-math.inf, math.inf, low, high)
+            inside = Key(dimension, least=low, most=high).range()
             raise DocumentError(
                 f"{place}: {path}: found {value}, of which {100.0 * cut:.3g} % are not"
                 f" {inside}; expected a smaller standard deviation, or LOW .. HIGH"
@@ -299,10 +364,10 @@ class Document:
         DocumentError
             for an absent key, another unit, or a length that is not positive
         """
-        return self.quantity(key, "length", least=SMALLEST_LENGTH, where=_A_LENGTH)
+        return self._quantity(key, self.table.get(key, _LENGTH))
 
     def choice(
-        self, key: str, options: Sequence[str], default: str | None = None
+        self, key: str, options: Sequence[str] = (), default: str | None = None
     ) -> str:
         """Return the value of a key that must be one of some words.
 
@@ -311,7 +376,7 @@ class Document:
         key
             key of the document
         options
-            the accepted words
+            the accepted words, by default those of the declared key
         default
             the word of an absent key, None if the key is required
 
@@ -324,6 +389,8 @@ class Document:
         DocumentError
             for an absent required key and for another word
         """
+        told = self.table.get(key, Key("choice"))
+        options, default = options or told.words, default or told.default
         if not self.has(key):
             if default is None:
                 raise self.missing(key, f"one of {', '.join(options)}")
@@ -363,7 +430,9 @@ class Document:
             raise self.fault(key, str(value), "true or false")
         return value.word() == "true"
 
-    def integer(self, key: str, least: int, most: int) -> int:
+    def integer(
+        self, key: str, least: int | None = None, most: int | None = None
+    ) -> int:
         """Return the value of a key that must be a whole number.
 
         Parameters
@@ -371,7 +440,7 @@ class Document:
         key
             key of the document
         least, most
-            limits that the number may reach
+            limits that the number may reach, by default those of the declared key
 
         Returns
         -------
@@ -382,12 +451,13 @@ class Document:
         DocumentError
             for an absent key, a fraction, or a number out of range
         """
-        wanted = f"a whole number from {least} to {most}"
+        told = self.table.get(key, _NUMBER).narrowed(least=least, most=most)
+        wanted = f"a whole number from {told.least:.0f} to {told.most:.0f}"
         if self.has(key) and is_spread(str(self.values[key].content)):
             raise self.fault(
                 key, str(self.values[key]), f"{wanted}; it takes no spread"
             )
-        number = self.quantity(key, "number", least=least, most=most, where=wanted)
+        number = self._quantity(key, told.narrowed(form="number", where=wanted))
         if number != int(number):
             raise self.fault(key, str(self.values[key]), wanted)
         return int(number)
@@ -538,15 +608,18 @@ class Document:
                 f"{value.place}: {key}: found {value}; expected a mapping of keys to"
                 " values"
             )
-        return Document(
+        found = Document(
             self.source,
             value.place,
             value.content,
             {k: v.place for k, v in value.content.items()},
             within=(self, path or key),
         )
+        if (inner := self.table.get(key, _NUMBER).inner) is not None:
+            found.declare(inner)
+        return found
 
-    def parts(self, key: str, wanted: str) -> list[Document]:
+    def parts(self, key: str, wanted: str = "") -> list[Document]:
         """Return each mapping of a list as a document.
 
         `finish` of this document finishes them too.
@@ -556,7 +629,7 @@ class Document:
         key
             key of the document, whose value is the list
         wanted
-            what is accepted, in words
+            what is accepted, in words, by default made of the declared keys
 
         Returns
         -------
@@ -569,6 +642,9 @@ class Document:
             for an absent key, an empty list, and an item that is no mapping
         """
         value = self.values[key] if self.has(key) else None
+        inner = self.table.get(key, _NUMBER).inner
+        if inner is not None and not wanted:
+            wanted = f"a list of {key}, each with {inner.in_words()}"
         if value is None:
             raise self.missing(key, wanted)
         if not isinstance(value.content, list) or not value.content:
@@ -598,44 +674,76 @@ class Document:
         """
         for part in self.inner:
             part.finish()
-        unknown = [key for key in self.keys if key not in self.asked]
+        unread = [key for key in self.keys if key not in self.asked]
+        for key in unread:
+            if key in self.table and key in self.values:
+                kind = self.values.get("kind")
+                of = f" of kind {kind}" if kind else ""
+                raise self.fault(
+                    key,
+                    f"{key}{of}, which does not go with the other keys",
+                    f"no {key}",
+                )
+        self._refuse(unread, elsewhere)
+        # the other names, which only a fault tells, are more than the document itself
+        self.asked &= self.keys.keys()
+
+    def _refuse(
+        self, unknown: Sequence[str], elsewhere: Callable[[], Collection[str]]
+    ) -> None:
+        """Refuse keys that are not known, or keep those of a row of a table as labels.
+        Raises DocumentError.
+        """
+        units = {cell.key: cell.unit for cell in self.cells}
+        known = self._known()
         for key in unknown:
             if (
                 not self.cells
+                or units.get(key)
                 or key in elsewhere()
-                or split_heading(key)[0] in self.asked
+                or split_heading(key)[0] in known
+                or _words_of_the_field(key)
                 or self._meant(key)
             ):
-                raise self._unknown(key)
+                raise self._unknown(key, units.get(key, ""))
         if unknown:
             self._keep_labels(unknown)
-        # the other names, which only a fault tells, are more than the document itself
-        self.asked &= self.keys.keys()
+
+    def _known(self) -> Collection[str]:
+        """Return the declared keys, and those that were asked for."""
+        return {*self.table, *self.asked}
 
     def _meant(self, heading: str) -> str:
         """Return the key that the heading of a column probably means, an empty text for
         a label.
         """
-        return _key_like(heading, frozenset(self.asked), frozenset(self.keys))
+        return _key_like(heading, frozenset(self._known()), frozenset(self.keys))
 
-    def _unknown(self, key: str) -> DocumentError:
-        """Return the error for a key that no method asked for."""
+    def _unknown(self, key: str, stated: str = "") -> DocumentError:
+        """Return the error for a key that is not known; stated: the unit of its
+        column.
+        """
         place = self.keys[key]
-        known = sorted(self.asked)
+        known = sorted(self._known())
         base, unit = split_heading(key)
-        if unit and self.cells and (base in self.asked or base in self.dimensions):
+        if unit and self.cells and base in known:
             return DocumentError(
                 f"{place}: {base}: found the unit {unit!r} in the heading; expected one"
                 f" of {', '.join(FACTORS)}"
+            )
+        if self.cells and {*_CENTRES}.intersection(_words_of_the_field(key)):
+            return DocumentError(
+                f"{place}: unknown key {key!r}: the place of a mass centre; expected"
+                " kind rigid, whose keys left, right and height state it, or no such"
+                " column"
             )
         meant = self._meant(key) if self.cells else ""
         words = (
             f" (did you mean {meant!r}?)" if meant else did_you_mean(key, known, MEANT)
         )
-        return DocumentError(
-            f"{place}: unknown key {key!r}{words}; known keys of this kind:"
-            f" {', '.join(known)}"
-        )
+        label = f" with the unit {stated}, which no label has" if stated else ""
+        words = words or f"; known keys of this kind: {', '.join(known)}"
+        return DocumentError(f"{place}: unknown key {key!r}{label}{words}")
 
     def _keep_labels(self, keys: Collection[str]) -> None:
         """Move the columns of these keys to the key `labels`, with their texts as they
@@ -713,6 +821,8 @@ class Document:
             dimensions={},
             bare={},
             uncertain={},
+            table={},
+            doubts={},
         )
 
 
@@ -724,8 +834,9 @@ def _key_like(heading: str, asked: frozenset[str], stated: frozenset[str]) -> st
     from difflib import get_close_matches
 
     word = heading.strip().casefold()
-    if MEANT.get(word) in asked:
-        return MEANT[word]
+    for one in (word, *_words_of_the_field(heading)):
+        if MEANT.get(one) in asked:
+            return MEANT[one]
     known = sorted(asked)
     begun = [key for key in known if len(word) > 2 and key.startswith(word)]
     named = [
@@ -737,20 +848,14 @@ def _key_like(heading: str, asked: frozenset[str], stated: frozenset[str]) -> st
     return next(iter([*close, *begun, *named]), "")
 
 
-def _range_text(above: float, below: float, least: float, most: float) -> str:
-    """Return the limits of a value in words."""
-    low = (
-        f"above {above:g}"
-        if above > -math.inf
-        else f"at least {least:g}"
-        if least > -math.inf
-        else ""
-    )
-    high = (
-        f"below {below:g}"
-        if below < math.inf
-        else f"at most {most:g}"
-        if most < math.inf
-        else ""
-    )
-    return "a value " + " and ".join(x for x in (low, high) if x)
+def _words_of_the_field(heading: str) -> list[str]:
+    """Return the words in the heading of a column that this field has for keys, which
+    no label has.
+    """
+    words = [word for word in re.split(r"[^a-z]+", heading.casefold()) if word]
+    alone = len(words) == 1
+    return [
+        word
+        for word in words
+        if (word in MEANT or word in _CENTRES) and (alone or len(word) > 1)
+    ]

@@ -66,6 +66,7 @@ class Cell(NamedTuple):
     text: str  # in YAML form, with the unit of the heading
     place: Place  # its column counts cells
     written: str = ""  # its text as it stands in the file
+    unit: str = ""  # of the heading
 
 
 @dataclass(frozen=True)
@@ -404,7 +405,7 @@ def rows_of(text: str, source: str) -> Iterator[list[Cell]]:
         if len(cells) > len(columns):
             raise table.uneven(line, cells)
         yield [
-            Cell(key, with_unit(cell, unit), table.place(line, i), as_written)
+            Cell(key, with_unit(cell, unit), table.place(line, i), as_written, unit)
             for i, (cell, as_written, (key, unit)) in enumerate(
                 zip(cells, written, columns, strict=False)
             )

@@ -25,11 +25,6 @@ def structure_remarks(structure: "RockingParameters") -> Iterator[str]:
     """
     if structure.dimensionless:
         return
-    if not 0.1 * DEFAULT_GRAVITY <= structure.gravity <= 10.0 * DEFAULT_GRAVITY:
-        yield (
-            f"{structure.name}: gravity of {structure.gravity:g} m/s2; a gravity"
-            " without a unit is in m/s2"
-        )
     yield from structure.remarks
     radius = 0.75 * (structure.gravity / structure.p) / structure.p  # p^2 may overflow
     if not SMALLEST <= radius <= LARGEST and not structure.remarks:

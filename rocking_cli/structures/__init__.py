@@ -75,7 +75,7 @@ def build_structure(document: Document) -> RockingParameters:
             "friction": static,
             "kinetic_friction": kinetic,
             "labels": labels_of(document),
-            "remarks": (*built.remarks, *sized),
+            "remarks": (*built.remarks, *document.doubts.values(), *sized),
             "document": document,
         }
         # most bodies are complete: a copy would cost as much as they did

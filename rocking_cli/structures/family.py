@@ -280,7 +280,8 @@ def _built(
         documents = on_each_interface(varied) if each else [varied]
         structures = [build_structure(one) for one in documents]
     except DocumentError as error:
-        if any(key not in varied.asked | varied.dimensions.keys() for key in keys):
+        known = {*varied.table, *varied.asked, *varied.dimensions}
+        if any(key not in known for key in keys):
             raise
         return [], str(error)
     if words := [key for key in keys if key not in varied.dimensions]:

@@ -11,7 +11,6 @@ from ..errors import DocumentError
 from .mechanics.assembly import (
     BOTH,
     GROUND,
-    INERTIAS,
     Assembly,
     Hinge,
     Load,
@@ -23,6 +22,7 @@ from .mechanics.linkage_drawing import load_arrows
 from .mechanics.mechanism_side import MechanismSide
 from .mechanics.planar_mechanism import PlanarMechanism
 from .shared_keys import (
+    BEARINGS,
     friction_of,
     given_restitution,
     gravity_of,
@@ -38,11 +38,7 @@ if TYPE_CHECKING:
     from .parameters import RockingParameters
 
 BODY = "body"  # name of a rigid body among the bodies of a mechanism
-FAR, CENTRE, NEAR_EDGE = BEARINGS = ("far", "centre", "near")
-_LOADS = (
-    "a list of loads, each with weight or mass, bearing or at, and inertia (both,"
-    " vertical or none)"
-)
+FAR, CENTRE, NEAR_EDGE = BEARINGS
 _POINT = "a point [x, z], lengths in m or with a unit"
 
 
@@ -69,7 +65,7 @@ def loads_of(document: Document, top: Top | None, axis: float) -> SideLoads:
     gravity = gravity_of(document)
     pairs = [
         _load(part, f"loads.{i}", gravity, top, axis)
-        for i, part in enumerate(document.parts("loads", _LOADS))
+        for i, part in enumerate(document.parts("loads"))
     ]
     right, left = (tuple(pair[i] for pair in pairs) for i in (0, 1))
     return SideLoads(right, left)
@@ -87,9 +83,7 @@ def _load(
     part: Document, path: str, gravity: float, top: Top | None, axis: float
 ) -> tuple[Load, Load]:
     """Return a load at its bearing while theta > 0 and while theta < 0."""
-    mass, inertia = mass_of_load(part, gravity), part.choice("inertia", INERTIAS)
-    if part.has("bearing") and part.has("at"):
-        raise part.fault("bearing", "bearing together with at", "one of them")
+    mass, inertia = mass_of_load(part, gravity), part.choice("inertia")
     if part.has("bearing"):
         right, left = _on_top(part, path, inertia, top)
     else:
@@ -101,13 +95,7 @@ def _on_top(
     part: Document, path: str, inertia: str, top: Top | None
 ) -> tuple[Point, Point]:
     """Return the two places of a load that bears on the flat top."""
-    where = part.choice("bearing", BEARINGS)
-    if part.has("mirrored"):
-        raise part.fault(
-            "mirrored",
-            "mirrored together with bearing, which says where it bears on each side",
-            "mirrored with at: [x, z] only",
-        )
+    where = part.choice("bearing")
     if top is None:
         raise part.fault(
             "bearing", "a bearing on a body without a flat top", f"at: {_POINT}"

@@ -15,10 +15,6 @@ if TYPE_CHECKING:
     from ..documents.document import Document
 
 _STIFFEST = 1e9  # m g R, of the restraints after uplift
-_TIES = (
-    "a list of ties, each with height, stiffness (or length, area and modulus), and"
-    " prestress, yield, ultimate, behind, side"
-)
 
 
 def restrained(
@@ -125,26 +121,17 @@ def _ties(
     pivots; the arguments are those of `restrained`. Raises DocumentError.
     """
     one_sided, ties = document.flag("one_sided"), []
-    for part in document.parts("ties", _TIES):
+    for part in document.parts("ties"):
         where = (
             f"a height above the ground, and up to {crown:g} m, the top of the body (of"
             " the columns of a frame)"
         )
-        height = (
-            part.quantity(
-                "height", "length", above=0.0, most=crown * (1.0 + 1e-9), where=where
-            )
-            - level
-        )
+        height = part.quantity("height", most=crown * (1.0 + 1e-9), where=where) - level
         where = f"a length from 0 to {width:g} m, the width of the body"
         least = 0.0 if width < math.inf else -math.inf
-        behind = part.quantity(
-            "behind", "length", least=least, most=width, where=where, default=0.0
-        )
-        stiffness, prestress = _stiffness(part), _force(part, "prestress", 0.0)
-        force = part.quantity(
-            "yield", "force", above=0.0, where="a force above 0", default=math.inf
-        )
+        behind = part.quantity("behind", least=least, most=width, where=where)
+        stiffness, prestress = _stiffness(part), part.quantity("prestress")
+        force = part.quantity("yield")
         if prestress >= force:
             raise part.fault(
                 "prestress",
@@ -156,18 +143,14 @@ def _ties(
             f"an elongation at rupture above 0 and up to {most:g} m, which the body can"
             " reach"
         )
-        ultimate = (
-            part.quantity("ultimate", "length", above=0.0, most=most, where=where)
-            if part.has("ultimate")
-            else math.inf
-        )
+        ultimate = part.quantity("ultimate", most=most, where=where, default=math.inf)
         if stiffness and ultimate * stiffness < force - prestress < math.inf:
             found = (
                 f"{ultimate:g} m, below the elongation at yield of"
                 f" {(force - prestress) / stiffness:g} m"
             )
             raise part.fault("ultimate", found, "an elongation from the yield on")
-        side = part.choice("side", list(SIDES), "right" if one_sided else "both")
+        side = part.choice("side", default="right" if one_sided else "both")
         if one_sided and side == "left":
             raise part.fault(
                 "side", "left on a one-sided body, which never leans there", "right"
@@ -185,16 +168,13 @@ def _tendon(document: Document) -> Tendon:
     """Return the tendon. Raises DocumentError."""
     part = document.part("tendon", document.values["tendon"])
     tendon = Tendon(
-        _stiffness(part),
-        _force(part, "prestress", 0.0),
-        _force(part, "rupture", math.inf),
+        _stiffness(part), part.quantity("prestress"), part.quantity("rupture")
     )
     if tendon.prestress >= tendon.rupture:
         found = (
             f"{tendon.rupture:g} N, not above the prestress of {tendon.prestress:g} N"
         )
         raise part.fault("rupture", found, "a force above the prestress")
-    part.finish()
     return tendon
 
 
@@ -207,18 +187,7 @@ def _damping(document: Document, p: float, moment: float, levers: float) -> floa
         raise document.fault(
             "dampers", "dampers of a body whose width is not known", "damping"
         )
-    zeta = (
-        part.quantity(
-            "coefficient",
-            "damping coefficient",
-            least=0.0,
-            where="a coefficient from 0",
-        )
-        * levers
-        * p
-        / (2.0 * moment)
-    )
-    part.finish()
+    zeta = part.quantity("coefficient") * levers * p / (2.0 * moment)
     if not zeta + damping_of(document) < MOST_DAMPING:
         raise document.fault(
             "dampers",
@@ -230,26 +199,8 @@ def _damping(document: Document, p: float, moment: float, levers: float) -> floa
 
 def _stiffness(part: Document) -> float:
     """Return the stiffness K [N/m], or E A/L of a rod."""
-    rod = {"length": "length", "area": "area", "modulus": "stress"}
-    given = [key for key in rod if part.has(key)]
-    if given and part.has("stiffness"):
-        raise part.fault(
-            given[0],
-            f"{given[0]} together with stiffness",
-            "stiffness, or length, area and modulus, not both",
-        )
-    if not given:
-        return part.quantity(
-            "stiffness", "stiffness", least=0.0, where="a stiffness from 0"
-        )
-    length, area, modulus = (
-        part.quantity(key, rod[key], above=0.0, where="a positive value") for key in rod
-    )
+    rod = ("length", "area", "modulus")
+    if not any(map(part.has, rod)):
+        return part.quantity("stiffness")
+    length, area, modulus = map(part.quantity, rod)
     return modulus * area / length
-
-
-def _force(part: Document, key: str, default: float) -> float:
-    """Return a force from 0 [N]."""
-    return part.quantity(
-        key, "force", least=0.0, where="a force from 0", default=default
-    )

@@ -1,21 +1,152 @@
-"""Keys that documents of several kinds share: gravity, restitution, damping, friction,
-mass.
-"""
+"""Keys that documents of several kinds share: their tables, and their readers."""
 
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from ..documents.keys import Key, Keys, Usual, in_units, positive
 from ..documents.quantities import DEFAULT_GRAVITY
-from ..documents.spreads import is_spread
-from ..errors import DocumentError
+from .mechanics.assembly import INERTIAS
 from .parameters import MOST_DAMPING
+from .restraints import SIDES
 
 if TYPE_CHECKING:
     from ..documents.document import Document
 
 RESTRAINTS = ("ties", "tendon", "dampers")
+BEARINGS = ("far", "centre", "near")
+DENSITY = positive(
+    "density",
+    "of the material, instead of mass",
+    # kN/m3 are weights
+    usual=Usual(
+        100.0,
+        11500.0,
+        {**in_units("t/m3"), "kN/m3": (1e3 / DEFAULT_GRAVITY).__mul__},
+    ),
+)
+_COEFFICIENT = positive(
+    "number",
+    where="a positive number (a coefficient of friction)",
+    usual=Usual(
+        0.0,
+        2.0,
+        {"%": (0.01).__mul__, "deg (its tangent)": lambda x: math.tan(math.radians(x))},
+    ),
+)
+_FRICTION = Keys({"static": _COEFFICIENT, "kinetic": _COEFFICIENT})
+# of every kind
+SHARED = Keys(
+    {"kind": Key("any", "of structure")},
+    {
+        "name": Key("text", "of the structure"),
+        "restitution": Key(
+            "number",
+            "angular speed after over before an impact; from momentum when absent",
+            words=("auto",),
+        ),
+        "gravity": Key(
+            "acceleration",
+            "of the place",
+            least=1e-2,
+            most=1e4,
+            default=DEFAULT_GRAVITY,
+            # from the Moon to Jupiter
+            usual=Usual(1.5, 24.9, in_units("ft/s2", "in/s2", "cm/s2", "g")),
+        ),
+        "damping": Key(
+            "number", "viscous, zeta", least=0.0, below=MOST_DAMPING, default=0.0
+        ),
+        "friction": replace(
+            _COEFFICIENT,
+            doc="of the base or the joints: a number, or {static: 0.35, kinetic: 0.3}",
+            inner=_FRICTION,
+        ),
+        "labels": Key("any", "texts by name, which are not used"),
+    },
+)
+_STIFFNESS = (
+    Keys({"stiffness": Key("stiffness", least=0.0)}),
+    Keys(
+        {
+            "length": positive("length"),
+            "area": positive("area"),
+            "modulus": positive("stress"),
+        }
+    ),
+)
+_PRESTRESS = Key("force", least=0.0, default=0.0)
+_TIE = Keys(
+    {"height": positive("length")},
+    {
+        "prestress": _PRESTRESS,
+        "yield": positive("force", default=math.inf),
+        "ultimate": positive("length"),
+        "behind": Key("length", default=0.0),
+        "side": Key("choice", words=tuple(SIDES)),
+    },
+    (_STIFFNESS,),
+)
+_TENDON = Keys(
+    {},
+    {"prestress": _PRESTRESS, "rupture": Key("force", least=0.0, default=math.inf)},
+    (_STIFFNESS,),
+)
+_WEIGHT = (
+    Keys({"mass": positive("mass")}),
+    Keys(
+        {
+            "weight": positive(
+                "force",
+                where="a positive weight",
+                usual=Usual(100.0, math.inf, in_units("kN")),
+            )
+        }
+    ),
+)
+_INERTIA = {"inertia": Key("choice", words=INERTIAS)}
+POINT, MIRRORED = {"at": Key("pair")}, {"mirrored": Key("flag")}
+# of a rigid body, and of a mechanism
+LOADS = Keys(
+    _INERTIA,
+    {},
+    (
+        _WEIGHT,
+        (Keys(POINT, MIRRORED), Keys({"bearing": Key("choice", words=BEARINGS)})),
+    ),
+)
+LOADS_ON_BODIES = Keys({"body": Key("name"), **POINT, **_INERTIA}, MIRRORED, (_WEIGHT,))
+# of every rigid kind
+RIGID = Keys(
+    {},
+    {
+        "one_sided": Key(
+            "flag", "true: it rocks on its right edge only, against a backing"
+        ),
+        "mass": positive("mass", "for loads, ties, a tendon, dampers and strength"),
+        "inset": Key(
+            "length",
+            "of the pivots from the edges: rounding, wear",
+            least=0.0,
+            default=0.0,
+        ),
+        "strength": positive(
+            "stress",
+            "of a toe that crushes, instead of inset",
+            where="a positive stress, such as 2 MPa",
+        ),
+        "loads": Key("parts", "floors, roofs and other weights", inner=LOADS),
+        "ties": Key("parts", "see rocking help ties", inner=_TIE),
+        "tendon": Key("part", "see rocking help ties", inner=_TENDON),
+        "dampers": Key(
+            "part",
+            "see rocking help ties",
+            inner=Keys({"coefficient": Key("damping coefficient", least=0.0)}),
+        ),
+    },
+)
 ONE_SIDED_RESTITUTION = (
     "a number above -1 and up to 0 (one_sided: it returns to the side it came from)"
 )
@@ -23,14 +154,7 @@ ONE_SIDED_RESTITUTION = (
 
 def gravity_of(document: Document) -> float:
     """Return the document's gravity [m/s2], 9.81 by default."""
-    return document.quantity(
-        "gravity",
-        "acceleration",
-        least=1e-2,
-        most=1e4,
-        where="an acceleration from 0.01 to 10000 m/s2",
-        default=DEFAULT_GRAVITY,
-    )
+    return document.quantity("gravity")
 
 
 def restraints_in(document: Document) -> list[str]:
@@ -71,12 +195,8 @@ def weight_of_loads(document: Document) -> float:
 
 def mass_of_load(part: Document, gravity: float) -> float:
     """Return the weight of a load over g [kg]. Raises DocumentError."""
-    if not part.has("weight"):
-        return part.quantity("mass", "mass", above=0.0, where="a positive mass")
-    if part.has("mass"):
-        raise part.fault("weight", "weight together with mass", "one of them")
-    weight = part.quantity("weight", "force", above=0.0, where="a positive weight")
-    return weight / gravity
+    weight = part.optional("weight")
+    return part.quantity("mass") if weight is None else weight / gravity
 
 
 def restitution_of(
@@ -87,12 +207,7 @@ def restitution_of(
     model holds. Raises DocumentError if eta is not given and `momentum` is negative.
     """
     if _given(document):
-        return (
-            abs(
-                _stated(document, "a number from 0 to 1, or auto", least=0.0, most=1.0)
-            ),
-            "given",
-        )
+        return abs(document.quantity("restitution", least=0.0, most=1.0)), "given"
     if momentum < 0.0:
         found = _swapped(document) or (
             "a shape for which conservation of angular momentum at an impact gives the"
@@ -124,13 +239,13 @@ def one_sided_restitution_of(
     """
     if _given(document):
         wanted = ONE_SIDED_RESTITUTION + ("" if backing is None else ", or auto")
-        return _stated(document, wanted, above=-1.0, most=0.0) + 0.0, "given"
+        stated = document.quantity("restitution", above=-1.0, most=0.0, where=wanted)
+        return stated + 0.0, "given"
     if backing is None:
-        found = (
-            "a one-sided body whose geometry does not define its impact on the backing"
-        )
         raise document.fault(
-            "one_sided", found, f"restitution as well: {ONE_SIDED_RESTITUTION}"
+            "one_sided",
+            "a one-sided body whose geometry does not define its impact on the backing",
+            f"restitution as well: {ONE_SIDED_RESTITUTION}",
         )
     e = base[0] * base[1] * backing
     if min(base) < 0.0 or not -1.0 < e <= 0.0:
@@ -173,29 +288,6 @@ def _given(document: Document) -> bool:
     )
 
 
-def _stated(
-    document: Document,
-    wanted: str,
-    *,
-    above: float = -math.inf,
-    least: float = -math.inf,
-    most: float,
-) -> float:
-    """Return the document's restitution. Raises DocumentError if it is out of bounds;
-    wanted: the bounds in words.
-    """
-    try:
-        return document.quantity(
-            "restitution", "number", above=above, least=least, most=most
-        )
-    except DocumentError:  # its sentence lacks `auto`
-        if is_spread(str(document.values["restitution"].content)):
-            raise
-        raise document.fault(
-            "restitution", str(document.values["restitution"]), wanted
-        ) from None
-
-
 def labels_of(document: Document) -> dict[str, str]:
     """Return the document's labels: texts by name, which the computation does not use.
     Raises DocumentError.
@@ -211,34 +303,25 @@ def labels_of(document: Document) -> dict[str, str]:
 
 def damping_of(document: Document) -> float:
     """Return the document's viscous damping zeta [-], 0 by default."""
-    where = f"a number from 0 to below {MOST_DAMPING:g} (zeta)"
-    return document.quantity(
-        "damping", "number", least=0.0, below=MOST_DAMPING, where=where, default=0.0
-    )
+    return document.quantity("damping")
 
 
 def friction_of(document: Document) -> tuple[float | None, float | None]:
     """Return the document's coefficients of friction (static, kinetic) [-], None where
     they are not stated: `friction: 0.3`, or `friction: {static: 0.35, kinetic: 0.3}`.
     """
-    where = "a positive number (a coefficient of friction)"
     if not document.has("friction"):
         return None, None
     value = document.values["friction"]
     if not isinstance(value.content, dict):
-        return document.quantity("friction", "number", above=0.0, where=where), None
+        return document.quantity("friction"), None
     part = document.part("friction", value)
-    static = part.quantity("static", "number", above=0.0, where=where)
+    static = part.quantity("static")
     where = f"a positive number up to the static friction, {static:g}"
-    kinetic = part.quantity("kinetic", "number", above=0.0, most=static, where=where)
-    part.finish()
+    kinetic = part.quantity("kinetic", most=static, where=where)
     return static, None if kinetic == static else kinetic
 
 
 def mass_of(document: Document) -> float | None:
     """Return the document's mass [kg], None if absent."""
-    return (
-        document.quantity("mass", "mass", above=0.0, where="a positive mass")
-        if document.has("mass")
-        else None
-    )
+    return document.optional("mass")

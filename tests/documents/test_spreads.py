@@ -68,7 +68,10 @@ def test_the_shares_outside_of_a_range():
     ("text", "said"),
     [
         ("{kind: block, width: 0.5, height: 2, restitution: 0.95 +- 0.05}", "15.9 %"),
-        ("{kind: block, width: 0.5, height: 2, restitution: 0.9 .. 1.1}", "at most 1"),
+        (
+            "{kind: block, width: 0.5, height: 2, restitution: 0.9 .. 1.1}",
+            "from 0 to 1",
+        ),
         ("{kind: block, width: 0.5 +- 0.01, height: -2 .. 2}", "height"),
         (
             "{kind: arch, radius: 10, angle: 157.5 deg, thickness: 1.5,"

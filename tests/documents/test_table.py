@@ -332,6 +332,14 @@ NEAR = [
     ("eta", "did you mean 'restitution'"),
     ("thickness", "unknown key 'thickness'"),
     ("inset [furlong]", "inset: found the unit 'furlong' in the heading"),
+    ("mu", "unknown key 'mu' .did you mean 'friction'"),
+    ("COF", "unknown key 'COF' .did you mean 'friction'"),
+    ("COR", "unknown key 'COR' .did you mean 'restitution'"),
+    ("mu static", "did you mean 'friction'"),
+    ("zG", "unknown key 'zG': the place of a mass centre; expected kind rigid"),
+    ("centroid height [m]", "'centroid height': the place of a mass centre"),
+    ("t", "unknown key 't'; known keys of this kind: alpha"),
+    ("elevation [m]", "unknown key 'elevation' with the unit m, which no label has;"),
 ]
 
 
@@ -356,6 +364,8 @@ def test_a_column_like_a_key_is_no_label(column, words):
         "notes",
         "description",
         "plinth height",
+        "notes (old)",
+        "murals",
         "photo_1_file",
         "size",
     ],

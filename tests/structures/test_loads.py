@@ -16,6 +16,7 @@ from support.refusals import refuses
 from rocking_cli import (
     DocumentError,
     UsageError,
+    build_structure,
     check,
     parse_documents,
     parse_grid,
@@ -264,6 +265,7 @@ def test_the_weight_of_all_loads_and_their_arrows():
         f"{BLOCK}loads: [{{weight: 9.81 kN, at: [0.1, 2.2], inertia: both}},"
         " {mass: 500, bearing: far, inertia: none}]"
     )
+    build_structure(document)
     assert weight_of_loads(document) == pytest.approx(9810.0 + 500.0 * G)
     built_of = built(document.text)
     (document,) = parse_documents(document.text)
@@ -299,7 +301,7 @@ test_what_is_refused = refuses(
         ),
         (
             LOAD + "bearing: far, mirrored: true, inertia: none}]",
-            "mirrored: found mirrored together with bearing",
+            "bearing: found bearing together with mirrored",
         ),
         (LOAD + "mass: 3, at: [0, 2], inertia: none}]", "weight together with mass"),
         (

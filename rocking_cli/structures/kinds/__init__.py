@@ -4,9 +4,10 @@ A new kind is one file, and one line in KINDS. The file has
 
 - `body(document)`, which returns the `RigidBody` of a rigid body, or
   `build(document, name)`, which returns the RockingParameters of any other structure.
-  The document's methods read its keys and refuse wrong values; a key that no method
-  reads is refused afterwards. Both may raise StructureError for a geometry that does
-  not rock;
+  Both may raise StructureError for a geometry that does not rock;
+- `KEYS`, the table of the keys of its documents, besides those of every kind and of
+  every rigid body. The document's methods read the keys as the table says and refuse
+  wrong values; schema, help, completion and `rocking init` show them;
 - `REPORTS`, the keys of this kind in RockingParameters.details; a document of kind
   `parameters` keeps them;
 - `SIZES`, the keys that `block:0.5x2` states, if the kind has this form;
@@ -14,7 +15,8 @@ A new kind is one file, and one line in KINDS. The file has
   kind has one.
 
 An installed package adds a kind by an entry point; `damping`, `friction`, and `gravity`
-and `restitution` if build does not read them, are read for it:
+and `restitution` if build does not read them, are read for it. Without `KEYS` it takes
+each key that it reads:
 
     [project.entry-points."rocking.structures"]
     tower = "my_package.tower"
@@ -30,13 +32,14 @@ from collections.abc import Sequence
 from dataclasses import replace
 from functools import cache
 from importlib import import_module
-from importlib.resources import files
 from typing import TYPE_CHECKING, Any
 
+from ...documents.keys import Key, Keys
 from ...plugins import blamed, installed
 from ..parameters import RockingParameters
 from ..shared_keys import (
-    RESTRAINTS,
+    RIGID,
+    SHARED,
     gravity_of,
     one_sided_restitution_of,
     restitution_of,
@@ -46,11 +49,6 @@ if TYPE_CHECKING:
     from ...documents.document import Document
     from ..sketch import Sketch
 
-OF_BODIES = (
-    "inset",
-    "strength",
-    *RESTRAINTS,
-)  # keys that every rigid kind takes, and no other one
 GROUP = "rocking.structures"
 # the module of each kind, which is imported when a document is of this kind
 KINDS = {
@@ -84,14 +82,7 @@ def build(document: Document, name: str) -> RockingParameters:
     )
     word = document.choice("kind", [*KINDS, *found])
     if word in KINDS:
-        built = _built(_module(word), document, name)
-        for key in set(OF_BODIES) & document.keys.keys() - document.asked:
-            raise document.fault(
-                key,
-                f"{key} of kind {word}",
-                f"no {key}, or a kind of one rigid body, such as block or wall",
-            )
-        return built
+        return _built(_module(word), document, name)
     wanted = f"a package that works, or one of {', '.join(KINDS)}"
     with blamed(found[word], lambda said: document.fault("kind", said, wanted)):
         built = _built(_module(word), document, name)
@@ -105,6 +96,7 @@ def build(document: Document, name: str) -> RockingParameters:
 
 def _built(kind: Any, document: Document, name: str) -> RockingParameters:
     """Return the parameters of a document of this kind."""
+    _declare(document)
     if not hasattr(kind, "body"):
         stated: RockingParameters = kind.build(document, name)
         return stated
@@ -113,6 +105,42 @@ def _built(kind: Any, document: Document, name: str) -> RockingParameters:
         raise TypeError(f"body returns {type(body).__name__}, which is no RigidBody")
     built: RockingParameters = body.parameters(document, name)
     return built
+
+
+def _declare(document: Document) -> None:
+    """Give a document the keys of its kind. Raises DocumentError for others."""
+    word = str(document.values["kind"].content)
+    of = document.values.get("structure_kind")  # of parameters
+    keys = details_of(str(of.content) if of else "") | keys_of(word)
+    for key in RIGID.all.keys() & document.keys.keys() - keys.all.keys():
+        raise document.fault(
+            key,
+            f"{key} of kind {word}",
+            f"no {key}, or a kind of one rigid body, such as block or wall",
+        )
+    if own_keys(word).all:
+        document.declare(keys, known_keys)
+    else:  # of a package: it takes what it reads
+        document.table = keys.all
+
+
+def own_keys(word: str) -> Keys:
+    """Return the keys that a kind declares, without those that kinds share."""
+    found: Keys = _listed(word, "KEYS") or Keys()
+    return found
+
+
+def keys_of(word: str) -> Keys:
+    """Return the keys of documents of a kind, its own first; only those of every kind
+    for a package that declares none, or does not load.
+    """
+    shared = RIGID | SHARED if _listed(word, "body") else SHARED
+    return own_keys(word) | shared
+
+
+def details_of(word: str) -> Keys:
+    """Return the details that a kind reports, as keys of its parameters."""
+    return Keys(optional=dict.fromkeys(reports_of(word), Key("any")))
 
 
 def _require_printable(built: RockingParameters) -> None:
@@ -176,7 +204,7 @@ def reports_of(word: str) -> Sequence[str]:
     """Return the keys of the details that a kind reports; empty for an unknown kind and
     for a package that does not load.
     """
-    return _listed(word, "REPORTS") or ()
+    return tuple(_listed(word, "REPORTS") or ())
 
 
 def sizes_of(word: str) -> Sequence[str] | None:
@@ -185,15 +213,16 @@ def sizes_of(word: str) -> Sequence[str] | None:
     """
     if word not in KINDS and word not in installed(GROUP):
         return None
-    return _listed(word, "SIZES")
+    sizes = _listed(word, "SIZES")
+    return None if sizes is None else tuple(sizes)
 
 
-def _listed(word: str, name: str) -> Sequence[str] | None:
-    """Return the keys that the module of a kind lists under `name`; None for an unknown
-    kind and for a package that does not load.
+def _listed(word: str, name: str) -> Any:
+    """Return what the module of a kind has under `name`, () without it; None for an
+    unknown kind and for a package that does not load.
     """
     try:
-        return tuple(getattr(_module(word), name, ()))
+        return getattr(_module(word), name, ())
     except KeyboardInterrupt:
         raise
     except BaseException:  # of the code of a package
@@ -204,17 +233,14 @@ def _listed(word: str, name: str) -> Sequence[str] | None:
 def known_keys() -> frozenset[str]:
     """Return the keys of documents of all kinds, without those inside lists. A column
     of a table with such a name is no label.
-
-    The JSON Schema holds them, which `make schema` makes of the readers of the kinds.
     """
-    text = (files("rocking_cli.structures") / "schema.json").read_text("utf-8")
-    found: set[str] = set()
-    for word, schema in json.loads(text)["definitions"].items():
-        for key, form in schema.get("properties", {}).items():
-            # of the kind `parameters` an empty form is a detail that it carries along
-            if form or word != "parameters":
-                found.add(key)
-    return frozenset(found)
+    return frozenset(
+        name
+        for word in KINDS
+        for name, key in keys_of(word).all.items()
+        # of `parameters` these are details that it carries along
+        if word != "parameters" or key.form != "any"
+    )
 
 
 def is_drawn(word: str) -> bool:
@@ -249,6 +275,8 @@ def _sketched(
     """Return the sketch that the module of a kind makes. Raises DocumentError if it
     makes none.
     """
+    if not document.table:
+        _declare(document)
     if hasattr(kind, "body"):
         drawing: Sketch = kind.body(document).sketch(document, built)
         return drawing

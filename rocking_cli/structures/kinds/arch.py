@@ -13,6 +13,7 @@ import numpy as np
 
 from ...documents.composition import Value
 from ...documents.document import Document
+from ...documents.keys import Key, Keys, length
 from ...documents.quantities import SMALLEST_LENGTH, parse_quantity
 from ...errors import ArgumentError
 from ..mechanics.hinges import search_continuous, search_joints
@@ -43,7 +44,48 @@ MEASURED = {
     "intrados": 0.5,
     "extrados": -0.5,
 }
-PAIRS = (("radius", "angle"), ("span", "rise"))
+_HINGE = {"angle": Key("angle"), "face": Key("choice", words=(INTRADOS, EXTRADOS))}
+KEYS = Keys(
+    {"thickness": length("of the ring")},
+    {
+        "measured": Key(
+            "choice",
+            "line of radius, span and rise",
+            words=tuple(MEASURED),
+            default="centre-line",
+        ),
+        "voussoirs": Key(
+            "whole",
+            "between the joints where it can hinge; absent: anywhere",
+            least=4,
+            most=MOST_VOUSSOIRS,
+        ),
+        "hinges": Key(
+            "any",
+            "four angles from springing A, intrados first; absent: searched",
+            inner=Keys(_HINGE),
+        ),
+        "one_sided": Key("flag", "false: an arch sways to both sides"),
+    },
+    (
+        (
+            Keys(
+                {
+                    "radius": length("of the centre line"),
+                    "angle": Key(
+                        "angle", "inclusion angle", above=0.0, below=2.0 * math.pi
+                    ),
+                }
+            ),
+            Keys(
+                {
+                    "span": length("between the springings"),
+                    "rise": length("from the springings to the crown"),
+                }
+            ),
+        ),
+    ),
+)
 _HINGES = (
     "four angles from springing A, rising, or four of {angle, face} with faces intrados"
     " and extrados in turn"
@@ -98,11 +140,7 @@ def find_mechanism(document: Document) -> tuple[ArchLinkage, float]:
     stand, the given hinges are not admissible, or no linkage of four hinges governs.
     """
     ring, joints = ring_of(document), None
-    voussoirs = (
-        document.integer("voussoirs", 4, MOST_VOUSSOIRS)
-        if document.has("voussoirs")
-        else None
-    )
+    voussoirs = document.integer("voussoirs") if document.has("voussoirs") else None
     if voussoirs is not None:
         joints = np.linspace(0.0, ring.angle, voussoirs + 1)
     found = search_continuous(ring) if joints is None else search_joints(ring, joints)
@@ -125,31 +163,13 @@ def ring_of(document: Document) -> Ring:
     rise^2)/(2 rise), angle = 4 atan(2 rise/span). The key `measured` states the line to
     which radius, span and rise refer. Springings are radial. Raises DocumentError.
     """
-    outward = MEASURED[document.choice("measured", list(MEASURED), "centre-line")]
-    pairs = [pair for pair in PAIRS if any(document.has(key) for key in pair)] or [
-        PAIRS[0]
-    ]
-    if len(pairs) > 1 or not all(document.has(key) for key in pairs[0]):
-        found = (
-            " and ".join(key for pair in pairs for key in pair if document.has(key))
-            or "none of them"
-        )
-        raise document.fault(
-            None, found, ", or ".join(" and ".join(pair) for pair in PAIRS)
-        )
-    if pairs == [PAIRS[1]]:
+    outward = MEASURED[document.choice("measured")]
+    if document.has("span") or document.has("rise"):
         span, rise = document.length("span"), document.length("rise")
         radius = 0.5 * (0.25 * span * span / rise + rise)
         angle = 4.0 * math.atan2(2.0 * rise, span)
     else:
-        radius = document.length("radius")
-        angle = document.quantity(
-            "angle",
-            "angle",
-            above=0.0,
-            below=2.0 * math.pi,
-            where="an angle between 0 and 360 deg",
-        )
+        radius, angle = document.length("radius"), document.quantity("angle")
     # The centre line has the radius measured + outward x thickness, which exceeds
     # thickness/2.
     most = radius / (0.5 - outward) if outward < 0.5 else math.inf
@@ -158,7 +178,7 @@ def ring_of(document: Document) -> Ring:
         " no radius left"
     )
     thickness = document.quantity(
-        "thickness", "length", above=SMALLEST_LENGTH, below=most, where=where
+        "thickness", above=SMALLEST_LENGTH, below=most, where=where
     )
     return Ring(radius + outward * thickness, thickness, angle)
 
@@ -229,12 +249,7 @@ def _hinge(document: Document, value: Value, face: str) -> tuple[float, str]:
     """
     if isinstance(value.content, dict):
         part = document.part("hinges", value)
-        found = (
-            part.quantity("angle", "angle"),
-            part.choice("face", [INTRADOS, EXTRADOS]),
-        )
-        part.finish()
-        return found
+        return part.quantity("angle"), part.choice("face")
     try:
         return parse_quantity(str(value.content), "angle"), face
     except ArgumentError:

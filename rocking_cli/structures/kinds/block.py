@@ -3,11 +3,25 @@
 import math
 
 from ...documents.document import Document
-from ..mechanics.single_body import RigidBody, radius_and_alpha, rectangle_body
+from ...documents.keys import Keys, length
+from ..mechanics.single_body import (
+    RigidBody,
+    radius_and_alpha,
+    rectangle_body,
+    sizes,
+)
 from ..mechanics.toe import strip_foot
+from ..shared_keys import DENSITY
 
 REPORTS = ()
 SIZES = ("width", "height")
+KEYS = Keys(
+    optional={
+        "density": DENSITY,
+        "depth": length("across the rocking, with a density"),
+    },
+    ways=(sizes("full width at the base", "full height", "half the diagonal"),),
+)
 
 
 def body(document: Document) -> RigidBody:

@@ -3,12 +3,26 @@ cone, or a stack of drums.
 """
 
 from ...documents.document import Document
+from ...documents.keys import Key, Keys
 from ..mechanics.single_body import RigidBody
-from ..mechanics.stacked_pieces import StackPiece, round_piece, stacked
+from ..mechanics.stacked_pieces import (
+    OFFSET,
+    ROCKS_ON,
+    ROUND,
+    StackPiece,
+    round_piece,
+    stacked,
+)
 from ..mechanics.toe import density_of
+from ..shared_keys import DENSITY
 
 REPORTS = ("rocks_on", "interfaces", "direction")
 SIZES = ("radius", "height")
+_DRUMS = {"drums": Key("parts", "from below", inner=Keys({}, OFFSET, (ROUND,)))}
+KEYS = Keys(
+    optional={**OFFSET, "density": DENSITY, **ROCKS_ON},
+    ways=((*ROUND, Keys(_DRUMS)),),
+)
 
 
 def body(document: Document) -> RigidBody:
@@ -19,11 +33,7 @@ def body(document: Document) -> RigidBody:
     `strength`.
     """
     if document.has("drums"):
-        wanted = (
-            "a list of drums from below, each with radius, or base_radius and"
-            " top_radius, and height"
-        )
-        pieces = [round_piece(part) for part in document.parts("drums", wanted)]
+        pieces = [round_piece(part) for part in document.parts("drums")]
     else:
         pieces = [_alone(document)]
     density = density_of(document)

@@ -12,10 +12,20 @@ import math
 from functools import partial
 
 from ...documents.document import Document
-from ..mechanics.single_body import RigidBody, equal_edges, radius_and_alpha
+from ...documents.keys import Key, Keys
+from ..mechanics.single_body import RigidBody, equal_edges, radius_and_alpha, sizes
 from ..sketch import Sketch, rectangle, turned
 
 REPORTS = ("cap_ratio",)
+KEYS = Keys(
+    {
+        "columns": Key("whole", "their number", least=1, most=1_000_000),
+        "cap_ratio": Key(
+            "number", "mass of the beam over the mass of all columns", least=0.0
+        ),
+    },
+    ways=(sizes("of one column", "of one column", "half the diagonal of a column"),),
+)
 
 
 def body(document: Document) -> RigidBody:
@@ -23,9 +33,7 @@ def body(document: Document) -> RigidBody:
     width and height (or radius and alpha) of one column; cap_ratio: gamma. The drawing
     shows up to six columns.
     """
-    count = document.integer("columns", 1, 1_000_000)
-    where = "a number from 0, the mass of the beam over that of all columns"
-    gamma = document.quantity("cap_ratio", "number", least=0.0, where=where)
+    count, gamma = document.integer("columns"), document.quantity("cap_ratio")
     return _frame(min(count, 6), gamma, *radius_and_alpha(document))
 
 

@@ -6,13 +6,13 @@ import math
 from collections.abc import Sequence
 
 from ...documents.document import Document
+from ...documents.keys import Key, Keys, length, positive
 from ...errors import DocumentError
 from ..load_keys import require_still
 from ..mechanics.admissibility import place
 from ..mechanics.assembly import (
     BOTH,
     GROUND,
-    INERTIAS,
     NEAR,
     Assembly,
     Hinge,
@@ -29,13 +29,16 @@ from ..mechanics.linkage_drawing import drawn
 from ..mechanics.planar_mechanism import PlanarMechanism, find_mechanism
 from ..parameters import RockingParameters
 from ..shared_keys import (
+    DENSITY,
+    LOADS_ON_BODIES,
+    POINT,
     friction_of,
     given_restitution,
     gravity_of,
     mass_of_load,
 )
 from ..sketch import Point, Sketch
-from .prism import corners_of, polygon_moments
+from .prism import CORNERS, corners_of, polygon_moments
 
 REPORTS = (
     "a_scale_3_7",
@@ -47,11 +50,37 @@ REPORTS = (
     "lambda_governing",
     "top_reaction",
 )
-_JOINTS = (
-    "a list of joints: {hinge: [a, b], at: [x, z]}, {slide: a, at: [x, z], along: [x,"
-    " z]} or {rigid: [a, b, ...]}"
+_BODY = (
+    Keys({**CORNERS, "density": DENSITY}, {"length": length()}),
+    Keys(
+        {"mass": positive("mass"), "centre": Key("pair"), "gyration": length()}, CORNERS
+    ),
 )
-_JOINT = "[a, b] with at: [x, z]; or slide: a with at and along; or rigid: [a, b, ...]"
+_JOINT = Keys(
+    ways=(
+        (
+            Keys({"hinge": Key("names"), **POINT}),
+            Keys({"slide": Key("name"), **POINT}, {"along": Key("pair", of="number")}),
+            Keys({"rigid": Key("names")}),
+        ),
+    )
+)
+_JOINTS = Key("parts", inner=_JOINT)
+KEYS = Keys(
+    {"bodies": Key("named", "in section", inner=Keys(ways=(_BODY,)))},
+    {
+        "joints": _JOINTS.narrowed(doc="towards +x; without a hinge they are searched"),
+        "other_side": _JOINTS.narrowed(doc="towards -x", words=("mirrored",)),
+        "loads": Key("parts", "floors, roofs and others", inner=LOADS_ON_BODIES),
+        "rotation_of": Key(
+            "name", "theta is its rotation; absent: the first that turns"
+        ),
+        "rotation_of_other": Key("name", "on the other side"),
+        "ground": Key("length", "its level; absent: that of the lowest corner"),
+        "axis": Key("length", "x of the mirror; absent: the middle of the outlines"),
+        "one_sided": Key("flag", "true: towards +x only"),
+    },
+)
 _POINT = "a point [x, z], lengths in m or with a unit"
 
 
@@ -82,7 +111,7 @@ def _placed(document: Document, fault: MechanismFault) -> DocumentError:
 def _found(document: Document, gravity: float) -> PlanarMechanism:
     """Return the mechanism of a document. Raises DocumentError and MechanismFault."""
     bodies = _bodies(document)
-    level = _optional_length(document, "ground")
+    level = document.optional("ground")
     assembly = Assembly(bodies, _loads(document, bodies, gravity), level)
     joints = _joints(document, "joints", assembly) if document.has("joints") else ()
     one_sided = document.flag("one_sided")
@@ -98,15 +127,11 @@ def _found(document: Document, gravity: float) -> PlanarMechanism:
         assembly,
         joints,
         other=other,
-        axis=_optional_length(document, "axis"),
+        axis=document.optional("axis"),
         coordinate=_turning(document, "rotation_of", assembly),
         other_coordinate=_turning(document, "rotation_of_other", assembly),
         one_sided=one_sided,
     )
-
-
-def _optional_length(document: Document, key: str) -> float | None:
-    return document.quantity(key, "length") if document.has(key) else None
 
 
 def _turning(document: Document, key: str, assembly: Assembly) -> str | None:
@@ -135,9 +160,7 @@ def _bodies(document: Document) -> tuple[PlanarBody, ...]:
                 f"{child.place}: bodies: found the name {name!r}; expected another"
                 f" name, without dots: {GROUND} is what the bodies stand on"
             )
-        part = document.part("bodies", child, f"bodies.{name}")
-        document.inner.append(part)
-        found.append(_body(part, name))
+        found.append(_body(document.part("bodies", child, f"bodies.{name}"), name))
     return tuple(found)
 
 
@@ -147,21 +170,18 @@ def _body(part: Document, name: str) -> PlanarBody:
     """
     outline = tuple(corners_of(part)) if part.has("corners") else ()
     if part.has("mass"):
-        if part.has("density"):
-            raise part.fault("density", "density together with mass", "one of them")
-        mass = part.quantity("mass", "mass", above=0.0, where="a positive mass")
+        mass = part.quantity("mass")
         centre, gyration = _point(part, "centre"), part.length("gyration")
         return PlanarBody(name, mass, centre, mass * gyration**2, outline)
     if not outline:
         raise part.missing("corners", "the outline, with density; or mass and centre")
-    density = part.quantity("density", "density", above=0.0, where="a positive density")
-    length = part.length("length") if part.has("length") else 1.0
+    density, across = part.quantity("density"), part.optional("length") or 1.0
     section = polygon_moments(outline)
     x, z = section.x / section.mass, section.z / section.mass
     # moments about the centroid lose digits far from it: move the outline there
     central = polygon_moments([(a - x, b - z) for a, b in outline])
     x, z = x + central.x / central.mass, z + central.z / central.mass
-    scale = density * length
+    scale = density * across
     return PlanarBody(
         name, scale * central.mass, (x, z), scale * central.polar, outline
     )
@@ -180,13 +200,12 @@ def _loads(
     if not document.has("loads") or document.values["loads"].content == []:
         return ()
     names = [body.name for body in bodies]
-    wanted = "a list of loads, each with body, at, weight and inertia"
     found = []
-    for i, part in enumerate(document.parts("loads", wanted)):
+    for i, part in enumerate(document.parts("loads")):
         if not part.has("body"):
             raise part.missing("body", "the body on which the load bears")
         body = _body_name(part, "body", names)
-        inertia = part.choice("inertia", INERTIAS)
+        inertia = part.choice("inertia")
         mirrored, mass = part.flag("mirrored"), mass_of_load(part, gravity)
         found.append(Load(body, _point(part, "at"), mass, inertia, mirrored))
         if mirrored and inertia == BOTH:
@@ -198,17 +217,14 @@ def _joints(document: Document, key: str, assembly: Assembly) -> tuple[Joint, ..
     """Return the joints of a key. Raises DocumentError."""
     return tuple(
         _joint(part, f"{key}.{i}", assembly)
-        for i, part in enumerate(document.parts(key, _JOINTS))
+        for i, part in enumerate(document.parts(key))
     )
 
 
 def _joint(part: Document, path: str, assembly: Assembly) -> Joint:
-    kinds = [key for key in ("hinge", "slide", "rigid") if part.has(key)]
-    if not kinds:
-        raise part.missing("hinge", _JOINT)
-    if len(kinds) > 1:
-        raise part.fault(None, f"{path} with {' and '.join(kinds)}", _JOINTS)
-    (kind,) = kinds
+    kind = next((key for key in ("hinge", "slide", "rigid") if part.has(key)), None)
+    if kind is None:
+        raise part.missing("hinge", _JOINT.in_words())
     value = part.values[kind]
     if kind == "slide":
         body = _body_name(part, "slide", assembly.names)
@@ -258,7 +274,7 @@ def sketch(document: Document, built: RockingParameters) -> Sketch:
         first = min(
             (left, right), key=lambda one: one.at_rest.lift / abs(one.at_rest.push)
         )
-    axis = _optional_length(document, "axis")
+    axis = document.optional("axis")
     return drawn(
         first,
         built.alpha,

@@ -3,11 +3,21 @@
 import math
 
 from ...documents.document import Document
-from ..mechanics.single_body import RigidBody, equal_edges, radius_and_alpha
+from ...documents.keys import Keys
+from ..mechanics.single_body import RigidBody, equal_edges, radius_and_alpha, sizes
 from ..sketch import circle, rocker
 
 REPORTS = ()
 SIZES = ("width", "height")
+KEYS = Keys(
+    ways=(
+        sizes(
+            "distance of the two supports",
+            "of the mass above them",
+            "length of a strut",
+        ),
+    )
+)
 
 
 def body(document: Document) -> RigidBody:

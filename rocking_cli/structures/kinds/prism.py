@@ -9,12 +9,19 @@ from collections.abc import Sequence
 from itertools import combinations, pairwise
 
 from ...documents.document import Document
+from ...documents.keys import Key, Keys, length
 from ..mechanics.moments import Moments
 from ..mechanics.single_body import RigidBody, body_on_edges
 from ..mechanics.toe import strip_foot
+from ..shared_keys import DENSITY
 from ..sketch import rocker
 
 REPORTS = ("direction",)
+CORNERS = {"corners": Key("pairs", "[x, z] in order around the section")}
+KEYS = Keys(
+    CORNERS,
+    {"density": DENSITY, "length": length("across the rocking, with a density")},
+)
 
 Corner = tuple[float, float]
 

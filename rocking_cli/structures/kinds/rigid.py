@@ -3,6 +3,7 @@
 import math
 
 from ...documents.document import Document
+from ...documents.keys import Keys, length, positive
 from ..mechanics.moments import Moments
 from ..mechanics.single_body import RigidBody, body_on_edges
 from ..mechanics.toe import Foot, Strip
@@ -13,6 +14,26 @@ from ..sketch import circle, rocker
 # sixteen
 _WIDEST = 1000.0
 REPORTS = ("direction",)
+_MASS = {"mass": positive("mass")}
+KEYS = Keys(
+    {
+        "left": length("horizontal distance from the left edge to the mass centre"),
+        "right": length("horizontal distance from the right edge to it"),
+        "height": length("of the mass centre"),
+    },
+    {"length": length("of the base across the rocking, for strength")},
+    (
+        (
+            Keys({"gyration": length("its radius about the mass centre")}, _MASS),
+            Keys(
+                {
+                    "inertia": positive("moment of inertia", "about the mass centre"),
+                    **_MASS,
+                }
+            ),
+        ),
+    ),
+)
 
 
 def body(document: Document) -> RigidBody:
@@ -41,7 +62,7 @@ def body(document: Document) -> RigidBody:
     edges = (-left, 0.0), (right, 0.0)
     drawing = rocker(outlines, *edges, (0.0, height), gyration=True)
     length, mass = (
-        document.length("length") if document.has("length") else None,
+        document.optional("length"),
         mass_of(document),
     )
     foot = Foot(
@@ -63,18 +84,7 @@ def _gyration(document: Document) -> float:
     """Return the radius of gyration about the mass centre [m]. Raises DocumentError."""
     if not document.has("inertia"):
         return document.length("gyration")
-    if document.has("gyration"):
-        raise document.fault(
-            "inertia",
-            "inertia together with gyration",
-            "gyration, or inertia and mass, not both",
-        )
-    inertia = document.quantity(
-        "inertia",
-        "moment of inertia",
-        above=0.0,
-        where="a positive moment of inertia about the mass centre",
-    )
+    inertia = document.quantity("inertia")
     if (mass := mass_of(document)) is None:
         raise document.missing("mass", "the mass [kg] that goes with inertia")
     return math.sqrt(inertia / mass)

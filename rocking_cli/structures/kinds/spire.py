@@ -16,14 +16,29 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ...documents.document import Document
+from ...documents.keys import Key, Keys, length
 from ..mechanics.moments import Moments
 from ..mechanics.single_body import RigidBody, symmetric_body
 from ..mechanics.toe import Foot, RingBase, density_of
-from ..shared_keys import mass_of
+from ..shared_keys import DENSITY, mass_of
 from ..sketch import Point, Sketch, rocker
 
 REPORTS = ("tip_height", "crack_height")
 SIZES = ("base_radius", "height")
+KEYS = Keys(
+    {"base_radius": length("outside"), "height": length("of the whole cone")},
+    {
+        "thickness": Key(
+            "length", "of the wall at the base, horizontally; absent: thin"
+        ),
+        "tip_height": Key("length", "where the solid tip begins"),
+        "crack": Key("choice", "that it rocks on", words=("none", "diagonal")),
+        "crack_height": Key(
+            "length", "where the crack leaves the windward face", least=0.0
+        ),
+        "density": DENSITY,
+    },
+)
 _NODES = 64  # Gauss points for each interval; 32 already give 1e-13
 
 
@@ -254,7 +269,7 @@ def _read(document: Document) -> Spire:
             " m; absent: a thin wall"
         )
         thickness = document.quantity(
-            "thickness", "length", above=thinnest, below=base, where=where
+            "thickness", above=thinnest, below=base, where=where
         )
     tip = height * (1.0 - thickness / base)
     if document.has("tip_height"):
@@ -266,12 +281,10 @@ def _read(document: Document) -> Spire:
             )
         where = f"a positive length up to height ({height:g} m)"
         tip = document.quantity(
-            "tip_height", "length", above=1e-9 * height, most=height, where=where
+            "tip_height", above=1e-9 * height, most=height, where=where
         )
     crack = document.choice(
-        "crack",
-        ["none", "diagonal"],
-        "diagonal" if document.has("crack_height") else "none",
+        "crack", default="diagonal" if document.has("crack_height") else "none"
     )
     if crack == "none":
         if document.has("crack_height"):
@@ -282,9 +295,7 @@ def _read(document: Document) -> Spire:
             )
         return Spire(base, height, thickness, tip, 0.0)
     where = f"a length from 0 (the base) to {tip:g} m (where the solid tip begins)"
-    crack_height = document.quantity(
-        "crack_height", "length", least=0.0, most=tip, where=where, default=tip
-    )
+    crack_height = document.quantity("crack_height", most=tip, where=where, default=tip)
     if crack_height > (1.0 - 1e-3) * height:
         raise document.fault(
             "crack_height",

@@ -3,15 +3,26 @@ a capital, or a finial on a gable.
 """
 
 from ...documents.document import Document
+from ...documents.keys import Key, Keys, length
 from ..mechanics.moments import Moments
 from ..mechanics.single_body import RigidBody
-from ..mechanics.stacked_pieces import StackPiece, offset_of, round_piece, stacked
+from ..mechanics.stacked_pieces import (
+    OFFSET,
+    ROCKS_ON,
+    ROUND,
+    StackPiece,
+    round_piece,
+    stacked,
+)
+from ..shared_keys import DENSITY
 
 REPORTS = ("rocks_on", "interfaces", "direction")
-_WANTED = (
-    "a list of pieces from below, each with height and width (and depth), or radius, or"
-    " base_radius and top_radius"
+_PIECE = Keys(
+    {},
+    {**OFFSET, "density": DENSITY},
+    ((Keys({"width": length(), "height": length()}, {"depth": length()}), *ROUND),),
 )
+KEYS = Keys({"pieces": Key("parts", "from below", inner=_PIECE)}, ROCKS_ON)
 
 
 def body(document: Document) -> RigidBody:
@@ -20,7 +31,7 @@ def body(document: Document) -> RigidBody:
     width), or radius, or base_radius and top_radius; offset of its axis towards +x;
     density, for all pieces or for none.
     """
-    parts = document.parts("pieces", _WANTED)
+    parts = document.parts("pieces")
     pieces = [_piece(part) for part in parts]
     dense = [part for part in parts if part.has("density")]
     if dense and len(dense) < len(parts):
@@ -39,21 +50,13 @@ def _piece(part: Document) -> StackPiece:
     )
     if not part.has("density"):
         return piece
-    where = "a positive density"
-    return piece.of_density(part.quantity("density", "density", above=0.0, where=where))
+    return piece.of_density(part.quantity("density"))
 
 
 def _cuboid(part: Document) -> StackPiece:
     """Return a rectangular piece of unit density; its depth is its width by default."""
-    for key in ("radius", "base_radius", "top_radius"):
-        if part.has(key):
-            raise part.fault(
-                key,
-                f"{key} together with width or depth",
-                "width and depth of a rectangular piece, or radii of a round one",
-            )
     width, height = part.length("width"), part.length("height")
-    depth = part.length("depth") if part.has("depth") else width
+    depth = part.optional("depth") or width
     mass = width * depth * height
     moments = Moments(
         mass,
@@ -61,4 +64,6 @@ def _cuboid(part: Document) -> StackPiece:
         0.5 * mass * height,
         mass * (width * width / 12.0 + height * height / 3.0),
     )
-    return StackPiece(0.5 * width, 0.5 * width, height, offset_of(part), moments, depth)
+    return StackPiece(
+        0.5 * width, 0.5 * width, height, part.quantity("offset"), moments, depth
+    )

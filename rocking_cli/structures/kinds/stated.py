@@ -6,6 +6,7 @@ import math
 from typing import Any
 
 from ...documents.document import Document
+from ...documents.keys import Key, Keys, positive
 from ..parameters import (
     DIMENSIONLESS,
     OTHERS,
@@ -15,18 +16,48 @@ from ..parameters import (
     numbers_of,
     weaker_side,
 )
-from ..shared_keys import ONE_SIDED_RESTITUTION, gravity_of
+from ..shared_keys import ONE_SIDED_RESTITUTION, RIGID, gravity_of
 
 REPORTS = ()
-DIMENSIONS = {
-    "mass": "mass",
-    "alpha_geometric": "angle",
-    "base_stress": "stress",
-    **dict.fromkeys(("inset", "length", "tip_height", "crack_height"), "length"),
+# details that have a unit
+DETAILS = {
+    "mass": RIGID.all["mass"],
+    "alpha_geometric": Key("angle"),
+    "base_stress": Key("stress"),
+    **dict.fromkeys(("inset", "length", "tip_height", "crack_height"), Key("length")),
 }
-"""The dimension of each detail that has a unit."""
 LARGEST_P = 1e150  # rad/s; p^2 and 1/p^2 must be within double precision
 P_RANGE = f"a positive number, from {1.0 / LARGEST_P:g} to {LARGEST_P:g} rad/s"
+
+_NUMBERS = {
+    "p": Key(
+        "frequency parameter",
+        "frequency parameter",
+        least=1.0 / LARGEST_P,
+        most=LARGEST_P,
+        where=P_RANGE,
+    ),
+    "alpha": Key("angle", "critical angle", above=0.0, below=math.pi),
+    "eta": Key("number", "coefficient of restitution, 0 to 1", least=0.0, most=1.0),
+}
+_RATIOS = {
+    "lambda": positive("number", "static uplift acceleration over g"),
+    "a_scale": positive("number", "alpha/lambda; one of both gives the other"),
+    "arm": positive("length", "from the edge to the mass centre, for forces"),
+}
+_SIDE = Keys({"side": Key("choice", words=("left", "right")), **_NUMBERS}, _RATIOS)
+_SIDES = {"sides": Key("parts", "left and right, if they differ", inner=_SIDE)}
+KEYS = Keys(
+    {},
+    {
+        **_RATIOS,
+        **{key: RIGID.all[key] for key in ("one_sided", "ties", "tendon", "dampers")},
+        **DETAILS,
+        **dict.fromkeys(("structure_kind", "eta_source"), Key("text")),
+        **dict.fromkeys((OTHERS, *VARIED, "restrained", "stands"), Key("any")),
+    },
+    ((Keys(_NUMBERS), Keys(_SIDES, _NUMBERS)),),
+)
 
 
 def build(document: Document, name: str) -> RockingParameters:
@@ -95,11 +126,7 @@ def _details(document: Document, structure: str) -> dict[str, Any]:
         for key in document.values
         if key in reported and document.has(key)
     }
-    details |= {
-        key: document.quantity(key, DIMENSIONS[key])
-        for key in details
-        if key in DIMENSIONS
-    }
+    details |= {key: document.quantity(key) for key in details if key in DETAILS}
     _check_varied(document, details)
     if OTHERS in details and not isinstance(details[OTHERS], list):
         raise document.fault(
@@ -114,10 +141,8 @@ def _require_those_of(document: Document, weaker: Side) -> None:
     """Raise DocumentError if a parameter beside `sides` is not that of the weaker one,
     as params prints it.
     """
-    dimensions = {"p": "frequency parameter", "alpha": "angle", "arm": "length"}
     for key, number in {**numbers_of(weaker), "arm": weaker.arm}.items():
-        dimension = dimensions.get(key, "number")
-        if document.has(key) and document.quantity(key, dimension) != number:
+        if document.has(key) and document.quantity(key, most=math.inf) != number:
             raise document.fault(
                 key,
                 str(document.values[key]),
@@ -150,27 +175,17 @@ def _numbers(
     """Read p, alpha, eta, uplift, a_scale and arm of a body or of one of its sides;
     most: the largest eta. Raises DocumentError.
     """
-    p = document.quantity(
-        "p", "frequency parameter", least=1.0 / LARGEST_P, most=LARGEST_P, where=P_RANGE
-    )
-    alpha = document.quantity(
-        "alpha",
-        "angle",
-        above=0.0,
-        below=math.pi,
-        where="an angle between 0 and 180 deg",
-    )
+    p, alpha = document.quantity("p"), document.quantity("alpha")
     if one_sided:
         eta = document.quantity(
-            "eta", "number", above=-1.0, most=0.0, where=ONE_SIDED_RESTITUTION
+            "eta", above=-1.0, least=-1.0, most=0.0, where=ONE_SIDED_RESTITUTION
         )
     else:
-        where = "a number from 0" + (" to 1" if most == 1.0 else "")
-        eta = document.quantity("eta", "number", least=0.0, most=most, where=where)
-    given = [key for key in ("lambda", "a_scale") if document.has(key)]
+        eta = document.quantity("eta", most=most)
     ratios = {
-        key: document.quantity(key, "number", above=0.0, where="a positive number")
-        for key in given
+        key: document.quantity(key)
+        for key in ("lambda", "a_scale")
+        if document.has(key)
     }
     if not ratios:
         raise document.fault(
@@ -187,9 +202,7 @@ def _numbers(
             f"a positive length up to g/p^2, {most:g} m (the mass centre's distance"
             " from the edge)"
         )
-        arm = document.quantity(
-            "arm", "length", above=0.0, most=most * (1.0 + 1e-9), where=where
-        )
+        arm = document.quantity("arm", most=most * (1.0 + 1e-9), where=where)
     return {
         "p": p,
         "alpha": alpha,
@@ -212,9 +225,8 @@ def _sides(document: Document, gravity: float) -> tuple[Side, Side]:
     found: dict[str, Side] = {}
     for child in value.content:
         part = document.part("sides", child)
-        side = part.choice("side", ["left", "right"])
+        side = part.choice("side")
         found[side] = Side(side, **_numbers(part, gravity, most=math.inf))
-        part.finish()
     if len(found) < 2:
         raise document.fault("sides", f"the {next(iter(found))} side twice", wanted)
     return found["left"], found["right"]

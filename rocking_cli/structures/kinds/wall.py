@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from ...documents.document import Document
+from ...documents.keys import Key, Keys, length
 from ..load_keys import Top, loads_of, parameters_of
 from ..mechanics.held_wall import HeldWall
 from ..mechanics.linkage import Linkage
@@ -16,12 +17,31 @@ from ..mechanics.linkage_drawing import drawn
 from ..mechanics.single_body import RigidBody, rectangle_body
 from ..mechanics.toe import strip_foot
 from ..parameters import RockingParameters
+from ..shared_keys import DENSITY, RESTRAINTS
 from ..sketch import Sketch
-from . import OF_BODIES
 from .mechanism import REPORTS as OF_MECHANISM
 
 REPORTS = ("length", "crack_height", *OF_MECHANISM)
 SIZES = ("thickness", "height")
+KEYS = Keys(
+    {
+        "thickness": length("of the wall"),
+        "height": length("between the floors, or free"),
+    },
+    {
+        "length": length("across the rocking, with a density"),
+        "density": DENSITY,
+        "top": Key(
+            "choice", "whether a floor holds it", words=("held", "free"), default="free"
+        ),
+        "crack_height": Key(
+            "length",
+            "of a wall whose top is held",
+            above=0.0,
+            words=("auto",),
+        ),
+    },
+)
 _LESS = 1e-6  # of lambda: a smaller difference is not told
 
 
@@ -30,10 +50,11 @@ def body(document: Document) -> "RigidBody | WallBetweenFloors":
     mass. top: held makes it a wall between two floors. Raises DocumentError.
     """
     thickness, height = document.length("thickness"), document.length("height")
-    details = {"length": document.length("length")} if document.has("length") else {}
+    across = document.optional("length")
+    details = {} if across is None else {"length": across}
     foot, mass = strip_foot(document, thickness, thickness * height)
     details |= mass
-    if document.choice("top", ("held", "free"), "free") == "held":
+    if document.choice("top") == "held":
         return WallBetweenFloors(thickness, height, details)
     if document.has("crack_height"):
         raise document.fault(
@@ -63,7 +84,7 @@ class WallBetweenFloors:
         """Return the parameters, with the crack of the least lambda unless
         `crack_height` states it. Raises DocumentError.
         """
-        for key in OF_BODIES:
+        for key in ("inset", "strength", *RESTRAINTS):
             if document.has(key):
                 raise document.fault(
                     key,
@@ -71,10 +92,8 @@ class WallBetweenFloors:
                     f"no {key}, or top: free",
                 )
         details = dict(self.details)
-        if document.has("mass"):
-            details["mass"] = document.quantity(
-                "mass", "mass", above=0.0, where="a positive mass"
-            )
+        if (mass := document.optional("mass")) is not None:
+            details["mass"] = mass
         if "mass" not in details:
             raise document.missing("mass", "mass, or density and length")
         wall = self._wall(document, details["mass"])

@@ -23,6 +23,7 @@ from functools import partial
 from typing import Any, NamedTuple
 
 from ...documents.document import Document
+from ...documents.keys import Key, Keys, length
 from ..parameters import RockingParameters, Side
 from ..shared_keys import (
     gravity_of,
@@ -214,9 +215,7 @@ class RigidBody:
             f"a length from 0 to below {self.lever:g} m, beyond which the mass centre"
             " is not above the base"
         )
-        inset = document.quantity(
-            "inset", "length", least=0.0, below=self.lever, where=where, default=0.0
-        )
+        inset = document.quantity("inset", below=self.lever, where=where)
         return inset, self.inset_by(inset) if inset else self
 
     def sketch(self, document: Document, built: RockingParameters) -> Sketch:
@@ -416,23 +415,23 @@ def _against_backing(body: Moments, half: float, top: Point | None) -> float | N
     return float(body.between((-half, 0.0), top) / body.about(*top))
 
 
+def sizes(width: str, height: str, radius: str) -> tuple[Keys, Keys]:
+    """Return the two ways to state the sizes of a body; the arguments say what each
+    length is.
+    """
+    alpha = Key("angle", "critical angle", above=0.0, below=0.5 * math.pi)
+    return (
+        Keys({"width": length(width), "height": length(height)}),
+        Keys({"radius": length(radius), "alpha": alpha}),
+    )
+
+
 def radius_and_alpha(document: Document, centroid: float = 0.5) -> tuple[float, float]:
     """Return (R [m], alpha [rad]) from radius and alpha, or from width and height.
     Raises DocumentError. The mass centre is at width/2 from the edge and at `centroid`
     x height.
     """
-    sizes = [key for key in ("width", "height") if document.has(key)]
-    polar = [key for key in ("radius", "alpha") if document.has(key)]
-    if sizes and polar:
-        raise document.fault(
-            polar[0],
-            f"{polar[0]} together with {sizes[0]}",
-            "width and height, or radius and alpha, not both",
-        )
-    if sizes or not polar:
-        x, z = 0.5 * document.length("width"), centroid * document.length("height")
-        return math.hypot(x, z), math.atan2(x, z)
-    below = "an angle between 0 and 90 deg"
-    return document.length("radius"), document.quantity(
-        "alpha", "angle", above=0.0, below=math.pi / 2, where=below
-    )
+    if document.has("radius") or document.has("alpha"):
+        return document.length("radius"), document.quantity("alpha")
+    x, z = 0.5 * document.length("width"), centroid * document.length("height")
+    return math.hypot(x, z), math.atan2(x, z)

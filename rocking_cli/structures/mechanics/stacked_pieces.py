@@ -12,6 +12,7 @@ from itertools import accumulate
 from typing import Any, NamedTuple, Self
 
 from ...documents.document import Document
+from ...documents.keys import Key, Keys, length
 from ..shared_keys import gravity_of, has_loads, mass_of, restraints_in
 from ..sketch import Outline, Point, Sketch, rocker
 from .moments import Moments
@@ -52,31 +53,35 @@ def frustum_moments(low: float, high: float, height: float) -> Moments:
     return Moments(area, 0.0, first, second + across)
 
 
+# ways to state a round piece
+ROUND = (
+    Keys({"radius": length(), "height": length()}),
+    Keys(
+        {
+            "base_radius": length(),
+            "top_radius": Key("length", least=0.0),
+            "height": length(),
+        }
+    ),
+)
+OFFSET = {"offset": Key("length", "of its axis towards +x", default=0.0)}
+ROCKS_ON = {
+    "rocks_on": Key(
+        "whole", "its interface, 0 for the base; absent: the weakest", least=0
+    )
+}
+
+
 def round_piece(document: Document) -> StackPiece:
     """A piece from the keys radius and height, or base_radius, top_radius and height;
     and offset of its axis. Raises DocumentError.
     """
-    height, offset = document.length("height"), offset_of(document)
+    height, offset = document.length("height"), document.quantity("offset")
     if document.has("radius"):
-        for key in ("base_radius", "top_radius"):
-            if document.has(key):
-                raise document.fault(
-                    key,
-                    f"{key} together with radius",
-                    "radius, or base_radius and top_radius, not both",
-                )
         base = top = document.length("radius")
     else:
-        top = document.quantity(
-            "top_radius", "length", least=0.0, where="a length from 0"
-        )
-        base = document.length("base_radius")
+        top, base = document.quantity("top_radius"), document.length("base_radius")
     return StackPiece(base, top, height, offset, frustum_moments(base, top, height))
-
-
-def offset_of(document: Document) -> float:
-    """Return the document's offset in x [m], 0 by default."""
-    return document.quantity("offset", "length", default=0.0)
 
 
 class Interface(NamedTuple):
@@ -294,7 +299,7 @@ def _lowest_rocking(
     default, `weakest`. Raises DocumentError.
     """
     if document.has("rocks_on"):
-        return document.integer("rocks_on", 0, len(interfaces) - 1)
+        return document.integer("rocks_on", most=len(interfaces) - 1)
     if held := restraints_in(document):
         raise document.missing(
             "rocks_on",

@@ -120,9 +120,7 @@ def density_of(document: Document) -> float | None:
         return None
     if document.has("mass"):
         raise document.fault("density", "density together with mass", "one of them")
-    return document.quantity(
-        "density", "density", above=0.0, where="a positive density"
-    )
+    return document.quantity("density")
 
 
 def strip_foot(
@@ -134,7 +132,7 @@ def strip_foot(
     density that gives no mass and no stress.
     """
     density, mass = density_of(document), mass_of(document)
-    length = document.length(across) if document.has(across) else None
+    length = document.optional(across)
     area = Strip(width, 1.0 if length is None else length)
     if density is None:
         known = mass is not None and length is not None
@@ -174,7 +172,7 @@ def vertical_force(document: Document, foot: Foot) -> float:
         )
     if document.has("tendon"):
         part = document.part("tendon", document.values["tendon"])
-        force += part.quantity("prestress", "force", least=0.0, default=0.0)
+        force += part.quantity("prestress")
     return force
 
 
@@ -189,9 +187,7 @@ def toe_of(document: Document, foot: Foot | str, name: str = "") -> Toe:
         )
     if document.has("inset"):
         raise document.fault("strength", "strength together with inset", "one of them")
-    strength = document.quantity(
-        "strength", "stress", above=0.0, where="a positive stress, such as 2 MPa"
-    )
+    strength = document.quantity("strength")
     force = vertical_force(document, foot)
     stress = force / foot.area.area
     if not strength > stress:

@@ -10,6 +10,7 @@ from oracles.thrust_line import largest_tilt
 from support.documents import built
 
 from rocking_cli import DocumentError, parse_documents
+from rocking_cli.structures.kinds import keys_of
 from rocking_cli.structures.kinds.arch import ring_of
 
 OPPENHEIM = "kind: arch\nradius: 10\nthickness: 1.5\nangle: 157.5 deg\n"
@@ -184,6 +185,7 @@ def test_span_and_rise_are_radius_and_angle_of_the_face_they_are_measured_on(
         (document,) = parse_documents(
             f"kind: arch\nmeasured: {line}\nthickness: {thickness}\n{pair}"
         )
+        document.declare(keys_of("arch"))
         assert ring_of(document) == pytest.approx(
             (10.0, thickness, 2.0 * half), rel=1e-14, abs=0
         )

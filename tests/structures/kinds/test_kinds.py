@@ -143,7 +143,7 @@ def test_shared_keys_are_refused_where_more_than_p_and_eta_may_depend_on_them(in
         "leaning",
         source.format(f"return RockingParameters.of_sides(name, 'leaning', {sides})"),
     )
-    with pytest.raises(DocumentError, match=r"f.yaml:2:1: unknown key 'gravity'"):
+    with pytest.raises(DocumentError, match=r"f.yaml:2:10: gravity: found gravity of"):
         built("kind: leaning\ngravity: 1.62")
 
 
@@ -285,7 +285,7 @@ def test_every_kind_takes_damping_and_gravity(kind, plain):
     assert (damped.p, damped.alpha, damped.eta) == (here.p, here.alpha, here.eta)
     with pytest.raises(
         DocumentError,
-        match=r"damping: found -0.1; expected a number from 0 to below 1 .zeta.",
+        match=r"damping: found -0.1; expected a number from 0 to below 1",
     ):
         plain(kind, damping="-0.1")
     if kind != "parameters":  # which states p itself

@@ -434,11 +434,11 @@ test_what_is_refused = refuses(
         ),
         (
             one(joints="joints: [{pin: [ground, block]}]"),
-            "no key 'hinge'; expected hinge: [a, b] with at: [x, z]",
+            "unknown key 'pin'; known keys of this kind: along, at, hinge, rigid",
         ),
         (
             one("loads: [{on: block, at: [0, 2], mass: 9, inertia: both}]"),
-            "no key 'body'",
+            "unknown key 'on'; known keys of this kind: at, body",
         ),
         (one("loads: [{body: block, at: [0, 2], mass: 9}]"), "no key 'inertia'"),
         (
