@@ -3,6 +3,7 @@ cannot answer.
 """
 
 import os
+import pickle
 import resource
 import signal
 import subprocess
@@ -13,10 +14,12 @@ from pathlib import Path
 
 import pytest
 
+from rocking_cli import load_structures
 from rocking_cli import processes as room
 from rocking_cli.errors import OutputError, UsageError
 from rocking_cli.processes import available_cpus, processes
 
+CONFIGS = Path(__file__).parents[1] / "configs"
 linux = pytest.mark.skipif(sys.platform != "linux", reason="forks")
 
 
@@ -258,3 +261,11 @@ def test_a_stop_while_forking_reaches_no_handler_in_the_child(monkeypatch, tmp_p
 def test_cpus_are_those_that_this_process_may_use(monkeypatch):
     monkeypatch.setattr(os, "sched_getaffinity", lambda _: {3, 5, 8})
     assert available_cpus() == 3
+
+
+@pytest.mark.parametrize(
+    "path", sorted(CONFIGS.glob("*.yaml")), ids=lambda path: path.name
+)
+def test_a_structure_comes_whole_to_a_worker(path):
+    for structure in load_structures(path):
+        assert pickle.loads(pickle.dumps(structure)) == structure

@@ -27,13 +27,19 @@ DENSITY = positive(
         {**in_units("t/m3"), "kN/m3": (1e3 / DEFAULT_GRAVITY).__mul__},
     ),
 )
+
+
+def _tangent(degrees: float) -> float:
+    return math.tan(math.radians(degrees))
+
+
 _COEFFICIENT = positive(
     "number",
     where="a positive number (a coefficient of friction)",
     usual=Usual(
         0.0,
         2.0,
-        {"%": (0.01).__mul__, "deg (its tangent)": lambda x: math.tan(math.radians(x))},
+        {"%": (0.01).__mul__, "deg (its tangent)": _tangent},
     ),
 )
 _FRICTION = Keys({"static": _COEFFICIENT, "kinetic": _COEFFICIENT})
