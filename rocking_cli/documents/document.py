@@ -12,6 +12,7 @@ import re
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
+from itertools import combinations
 from typing import Any
 
 from ..errors import ArgumentError, DocumentError, did_you_mean
@@ -119,6 +120,10 @@ class Document:
         bool
         """
         self.asked.add(key)
+        return self._stated(key)
+
+    def _stated(self, key: str) -> bool:
+        """True if the key has a value; it does not count as asked for."""
         value = self.values.get(key)
         return value is not None and (
             value.quoted or value.word() not in ("", "~", "null")
@@ -198,19 +203,16 @@ class Document:
         """
         self.table = keys.all
         self._refuse([key for key in self.keys if key not in keys.all], elsewhere)
+        given = list(filter(self._stated, keys.all))
         for group, ways in enumerate(keys.ways):
-            if keys.way(self.keys, group) < 0:
-                given = [key for key in keys.all if self.has(key)]
-                for i, key in enumerate(given):
-                    for other in given[:i]:
-                        if keys.way((key, other), group) < 0:
-                            wanted = ", or ".join(both(way.required) for way in ways)
-                            only = "not both" if len(ways) == 2 else "not several"
-                            raise self.fault(
-                                key,
-                                f"{key} together with {other}",
-                                f"{wanted}, {only}",
-                            )
+            if keys.way(given, group) >= 0:
+                continue
+            pairs = (x for x in combinations(given, 2) if keys.way(x, group) < 0)
+            one, other = next(pairs, (given[0], given[-1]))
+            wanted = ", or ".join(both(way.required) for way in ways)
+            only = "not both" if len(ways) == 2 else "not several"
+            found = f"{other} together with {one}"
+            raise self.fault(other, found, f"{wanted}, {only}")
 
     def quantity(self, key: str, dimension: str | None = None, **limits: Any) -> float:
         """Return the SI value of a key.
@@ -242,10 +244,8 @@ class Document:
 
     def _quantity(self, key: str, told: Key) -> float:
         """Return the SI value of a key of this form. Raises DocumentError."""
-        dimension = told.form
-        self.dimensions[key] = dimension
-        if self.within:
-            self.within[0].dimensions[f"{self.within[1]}.{key}"] = dimension
+        dimension, (outer, path) = told.form, self._outermost(key)
+        outer.dimensions[path] = dimension
         if not self.has(key):
             if told.default is None:
                 raise self.missing(key, accepted(dimension))
@@ -264,17 +264,34 @@ class Document:
             raise self.fault(key, str(value), str(error) if said else wanted) from None
         bare = is_bare(value.content)
         if dimension == "length" and bare:
-            self.note_bare(key, number, value.place)
+            outer.bare[path] = (number, value.place)
         ends = (spread.first, spread.second) if spread and spread.bounded else (number,)
         if not all(map(told.holds, ends)):
             hint = " (a bare number is in rad)" if dimension == "angle" and bare else ""
             raise self.fault(key, str(value), told.range() + hint)
         if spread and not spread.certain:
-            self._note_uncertain(key, spread, dimension, told.low, told.high)
+            if (cut := spread.cut(told.low, told.high)) > MOST_CUT:
+                inside = Key(dimension, least=told.low, most=told.high).range()
+                share = f"{100.0 * cut:.3g} % are not {inside}"
+                raise DocumentError(
+                    f"{value.place}: {path}: found {value}, of which {share}; expected"
+                    " a smaller standard deviation, or LOW .. HIGH"
+                )
+            outer.uncertain[path] = Uncertain(
+                path, spread, dimension, told.low, told.high
+            )
         if told.usual and has_no_unit(value.content):
             doubt = told.usual.doubt(number, si_unit(dimension))
-            self._note_doubt(key, doubt, value.place)
+            if doubt:
+                outer.doubts[path] = f"{value.place}: {path}: {doubt}"
         return number
+
+    def _outermost(self, path: str) -> tuple[Document, str]:
+        """Return the outermost document, and the path there of a path in this one."""
+        if self.within is None:
+            return self, path
+        outer, own = self.within
+        return outer._outermost(f"{own}.{path}")
 
     def optional(self, key: str) -> float | None:
         """Return the SI value of a declared key, None without one.
@@ -298,53 +315,6 @@ class Document:
         if not self.has(key) or self.values[key].content in self.table[key].words:
             return None
         return self.quantity(key)
-
-    def _note_doubt(self, path: str, doubt: str, place: Place) -> None:
-        """Note a remark on a value, if there is one, in the outermost document."""
-        if not doubt:
-            return
-        if self.within is None:
-            self.doubts[path] = f"{place}: {path}: {doubt}"
-        else:
-            outer, own = self.within
-            outer._note_doubt(f"{own}.{path}", doubt, place)
-
-    def _note_uncertain(
-        self, path: str, spread: Spread, dimension: str, low: float, high: float
-    ) -> None:
-        """Note a key with a spread in the outermost document. Raises DocumentError if
-        the range of the key cuts too much off.
-        """
-        if self.within is not None:
-            outer, own = self.within
-            outer._note_uncertain(f"{own}.{path}", spread, dimension, low, high)
-            return
-        if (cut := spread.cut(low, high)) > MOST_CUT:
-            value = self.value_at(path)
-            place = self.place if value is None else value.place
-            inside = Key(dimension, least=low, most=high).range()
-            raise DocumentError(
-                f"{place}: {path}: found {value}, of which {100.0 * cut:.3g} % are not"
-                f" {inside}; expected a smaller standard deviation, or LOW .. HIGH"
-            )
-        self.uncertain[path] = Uncertain(path, spread, dimension, low, high)
-
-    def note_bare(self, path: str, number: float, place: Place) -> None:
-        """Note a length without a unit in the outermost document.
-
-        Parameters
-        ----------
-        path
-            path of the value, such as `pieces.0.width`
-        number
-            the length [m]
-        place
-            its place in the file
-        """
-        if self.within is None:
-            self.bare[path] = (number, place)
-        else:
-            self.within[0].note_bare(f"{self.within[1]}.{path}", number, place)
 
     def length(self, key: str) -> float:
         """Return the value of a key that must be a positive length.
@@ -533,11 +503,9 @@ class Document:
                     zip(value.content, (first, second), strict=True)
                 ):
                     if dimension == "length" and is_bare(str(v.content)):
-                        self.note_bare(
-                            f"{key}.{value.place.line}.{value.place.column}.{i}",
-                            number,
-                            v.place,
-                        )
+                        at = f"{key}.{value.place.line}.{value.place.column}.{i}"
+                        outer, path = self._outermost(at)
+                        outer.bare[path] = (number, v.place)
                 return first, second
             if any(is_spread(str(v)) for v in value.content):
                 found = f"a {name} with a spread (line {value.place.line})"

@@ -141,7 +141,7 @@ class Key:
         return f"{article} {self.form} {words}"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Keys:
     """The keys of a document, or of a mapping inside it."""
 

@@ -10,7 +10,7 @@ from typing import Any
 from ..documents.keys import Key, Keys
 from ..documents.quantities import UNITS, accepted
 from ..plugins import installed
-from .kinds import GROUP, KINDS, details_of, keys_of, own_keys
+from .kinds import GROUP, KINDS, keys_of, own_keys
 
 Schema = dict[str, Any]
 DRAFT = "http://json-schema.org/draft-07/schema#"
@@ -25,8 +25,7 @@ def schema_text() -> str:
     """
     words = [*KINDS, *(word for word in installed(GROUP) if word not in KINDS)]
     tables = {word: keys_of(word) for word in words}
-    for word in KINDS:
-        tables["parameters"] = details_of(word) | tables["parameters"]
+    tables["parameters"] = keys_of("parameters", *words)
     schema = {
         "$schema": DRAFT,
         "title": "Structure document of rocking",

@@ -50,6 +50,7 @@ if TYPE_CHECKING:
     from ..sketch import Sketch
 
 GROUP = "rocking.structures"
+_NONE = Keys()
 # the module of each kind, which is imported when a document is of this kind
 KINDS = {
     "block": "block",
@@ -111,7 +112,7 @@ def _declare(document: Document) -> None:
     """Give a document the keys of its kind. Raises DocumentError for others."""
     word = str(document.values["kind"].content)
     of = document.values.get("structure_kind")  # of parameters
-    keys = details_of(str(of.content) if of else "") | keys_of(word)
+    keys = keys_of(word, str(of.content) if of else "")
     for key in RIGID.all.keys() & document.keys.keys() - keys.all.keys():
         raise document.fault(
             key,
@@ -126,21 +127,23 @@ def _declare(document: Document) -> None:
 
 def own_keys(word: str) -> Keys:
     """Return the keys that a kind declares, without those that kinds share."""
-    found: Keys = _listed(word, "KEYS") or Keys()
+    found: Keys = _listed(word, "KEYS") or _NONE
     return found
 
 
-def keys_of(word: str) -> Keys:
-    """Return the keys of documents of a kind, its own first; only those of every kind
-    for a package that declares none, or does not load.
+def keys_of(word: str, *reported: str) -> Keys:
+    """Return the keys of documents of a kind, its own first, then the details that the
+    kinds `reported` report; only those of every kind for a package that declares none,
+    or does not load.
     """
-    shared = RIGID | SHARED if _listed(word, "body") else SHARED
-    return own_keys(word) | shared
+    details = {key: None for one in reported if one for key in reports_of(one)}
+    return _joined(own_keys(word), bool(_listed(word, "body")), *details)
 
 
-def details_of(word: str) -> Keys:
-    """Return the details that a kind reports, as keys of its parameters."""
-    return Keys(optional=dict.fromkeys(reports_of(word), Key("any")))
+@cache  # every row of a table asks for those of its kind
+def _joined(own: Keys, rigid: bool, *details: str) -> Keys:
+    shared = RIGID | SHARED if rigid else SHARED
+    return Keys(optional=dict.fromkeys(details, Key("any"))) | own | shared
 
 
 def _require_printable(built: RockingParameters) -> None:
