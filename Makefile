@@ -5,7 +5,7 @@ CODE := $(shell find rocking_cli -type f -not -path '*/__pycache__/*')
 CONFIGS := $(shell find configs -type f)
 TESTS := $(shell find tests -type f -not -path '*/__pycache__/*')
 
-.PHONY: help demo test lint quick docs figures study code-study bench database golden trace soak ladder mutants readers validate clean
+.PHONY: help demo test lint quick docs figures study code-study bench database golden trace soak ladder mutants readers clean
 
 .DEFAULT_GOAL := help
 # Two processes of tests have two cores: threads of OpenBLAS would wait for each other.
@@ -128,9 +128,6 @@ trace: $(STAMPS)/dev ## Where the time of a scene goes: make trace SCENE="linear
 
 soak: $(STAMPS)/dev ## The long checks
 	.venv/bin/python -m pytest -m soak
-
-validate: $(STAMPS)/dev ## The rows of `rocking help validation` that need nothing but the package
-	PYTHONPATH=tests .venv/bin/python tests/bench/validate.py
 
 # OpenQuake and pelicun stand in environments of their own; of OpenQuake only what its reader of fragility models imports.
 READ := .venv/readers

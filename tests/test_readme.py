@@ -17,11 +17,6 @@ def test_the_table_of_speed_is_what_was_measured():
     assert in_readme(TEXT) == TEXT, ANEW
 
 
-def test_it_is_short():
-    size = len(TEXT.encode())
-    assert size <= 12_000, f"README.md has {size} bytes, more than 12,000: shorten it"
-
-
 def test_the_python_example_runs(tmp_path, monkeypatch, capsys):
     (tmp_path / "configs").symlink_to(ROOT / "configs")
     monkeypatch.chdir(tmp_path)

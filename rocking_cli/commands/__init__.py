@@ -46,6 +46,7 @@ SECTIONS = {
     },
     "How far to trust it": {
         "accuracy": "Error against run time for a scene.",
+        "verify": "Run the shipped cases and compare with their sources.",
         "help": "The reference of a command or a topic, with examples.",
     },
 }
