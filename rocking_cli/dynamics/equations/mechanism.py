@@ -314,8 +314,8 @@ class MechanismEquation(Equation):
                 "the nonlinear model does not hold: the body comes to the rotation of"
                 f" {end:.3g} alpha, where its links lock and no drive below"
                 f" {self.table.strongest:.3g} times that at uplift can bring it back;"
-                f" found one of {strongest:.3g} times; expected a weaker motion, or another"
-                " body in rotation_of"
+                f" found one of {strongest:.3g} times; expected a weaker motion, or"
+                " another body in rotation_of"
             )
 
     def _equilibrium(self, e: Array) -> Array:
