@@ -20,6 +20,7 @@ TOPICS = {
     "python": "The Python functions of each command.",
     "code": "A check by the Italian code: columns, formulas, demand, limits.",
     "validation": "Tests, programs and closed forms that results were compared with.",
+    "defects": "Wrong verdicts and numbers of earlier commits, and when they ended.",
     "words": "The words of commands, columns and files, each with one meaning.",
     "changes": "Stable interfaces, and changes by version.",
 }
