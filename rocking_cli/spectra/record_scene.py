@@ -23,7 +23,7 @@ from ..motions.grid import MAX_CELLS, Axis, parse_angles, parse_axes, written_ax
 from ..motions.recording import Recording
 from ..structures.parameters import RockingParameters
 from .dimensions import RECORDED, Frame, lists_of, structure_lists, varied_units
-from .scene import Scene, SceneCells, Unit
+from .scene import Scene, SceneCells, Unit, require_finite
 
 COLUMNS = ("scale", "A", "a_g", "T")
 AS_RECORDED = Axis("scale", np.array([1.0]))
@@ -83,18 +83,8 @@ class RecordScene(Scene):
                     " critical angles as `alpha`"
                 )
             self.method.system_of(s)
-            amplitude, omega = self._scaled(
-                s, max(r.acceleration for r in self.recordings)
-            )
-            if not (
-                np.all(np.isfinite(amplitude))
-                and np.all(np.isfinite(omega))
-                and np.all(omega > 0.0)
-            ):
-                raise UsageError(
-                    f"{s.name}: the scales in units of this structure (A, Omega) leave"
-                    " the range of double precision"
-                )
+            strongest = max(r.acceleration for r in self.recordings)
+            require_finite(s, *self._scaled(s, strongest))
         if self.cells > MAX_CELLS:
             raise UsageError(
                 f"found {self.cells:.3g} cells; expected up to {MAX_CELLS:.0e} in one"
@@ -163,15 +153,18 @@ class RecordScene(Scene):
     def sharing(self) -> list[tuple[int, ...]]:
         return [(i,) for i in range(len(self.recordings))]
 
-    def cells_of(self, unit: Unit, size: tuple[int, int]) -> Iterator[SceneCells]:
+    def cells_of(self, unit: Unit) -> Iterator[SceneCells]:
         recording = self.recordings[unit.places[0]]
-        motion, columns = recording.motion, slice(unit.column, unit.column + size[1])
-        for structure in self.structures[unit.row : unit.row + size[0]]:
+        for structure in self.structures[unit.rows]:
             amplitude, omega = np.broadcast_arrays(
                 *self._scaled(structure, recording.acceleration)
             )
             yield SceneCells(
-                structure, motion, amplitude[columns], omega[columns], (structure,)
+                structure,
+                recording.motion,
+                amplitude[unit.columns],
+                omega[unit.columns],
+                (structure,),
             )
 
     def only(self, units: Sequence[Unit]) -> "RecordScene":

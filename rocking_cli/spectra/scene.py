@@ -35,6 +35,22 @@ class Unit:
     places: tuple[int, ...]  # indices on the first dimension
     row: int  # row of its first cell
     column: int  # column of its first cell
+    shape: tuple[int, int] = (1, 1)  # (rows, columns)
+
+    @property
+    def first(self) -> tuple[int, int, int]:
+        """The place of its first cell."""
+        return self.places[0], self.row, self.column
+
+    @property
+    def rows(self) -> slice:
+        """Its rows."""
+        return slice(self.row, self.row + self.shape[0])
+
+    @property
+    def columns(self) -> slice:
+        """Its columns."""
+        return slice(self.column, self.column + self.shape[1])
 
 
 class SceneCells(NamedTuple):
@@ -85,10 +101,8 @@ class Scene(ABC):
         """Groups of places of the first dimension that are computed together, once."""
 
     @abstractmethod
-    def cells_of(self, unit: Unit, size: tuple[int, int]) -> Iterator[SceneCells]:
-        """Yield the cells of a unit, row by row, those of each structure together;
-        size: (rows, columns) of the unit.
-        """
+    def cells_of(self, unit: Unit) -> Iterator[SceneCells]:
+        """Yield the cells of a unit, row by row, those of each structure together."""
 
     @abstractmethod
     def frame(self) -> Frame:
@@ -104,7 +118,7 @@ class Scene(ABC):
 
     def cell(self, place: int, row: int, column: int) -> SceneCells:
         """Return the cell at these indices on the three dimensions."""
-        return next(self.cells_of(Unit((place,), row, column), (1, 1)))
+        return next(self.cells_of(Unit((place,), row, column)))
 
     def identity(self) -> dict[str, Any]:
         """Return the input of the result by name, as JSON values; two scenes of equal
@@ -188,16 +202,7 @@ class PulseScene(Scene):
                 )
             self.method.system_of(s)
             with np.errstate(all="ignore"):
-                amplitude, omega = self.grid.scaled(s)
-            if not (
-                np.all(np.isfinite(amplitude))
-                and np.all(np.isfinite(omega))
-                and np.all(omega > 0.0)
-            ):
-                raise UsageError(
-                    f"{s.name}: the grid in units of this structure (A, Omega) leaves"
-                    " the range of double precision"
-                )
+                require_finite(s, *self.grid.scaled(s))
 
     @property
     def shape(self) -> tuple[int, int, int]:
@@ -216,14 +221,14 @@ class PulseScene(Scene):
     def title(self) -> str:
         return self.motion.name
 
-    def cells_of(self, unit: Unit, size: tuple[int, int]) -> Iterator[SceneCells]:
+    def cells_of(self, unit: Unit) -> Iterator[SceneCells]:
         sharers = tuple(self.structures[i] for i in unit.places)
         amplitude, omega = self.grid.scaled(sharers[0])
         yield SceneCells(
             sharers[0],
             self.motion,
-            np.tile(amplitude[unit.column : unit.column + size[1]], size[0]),
-            np.repeat(omega[unit.row : unit.row + size[0]], size[1]),
+            np.tile(amplitude[unit.columns], unit.shape[0]),
+            np.repeat(omega[unit.rows], unit.shape[1]),
             sharers,
         )
 
@@ -265,6 +270,18 @@ class PulseScene(Scene):
         return [tuple(g) for g in groups.values()]
 
 
+def require_finite(
+    structure: RockingParameters, amplitude: Array, omega: Array
+) -> None:
+    """Raise UsageError unless all A and Omega of a structure are finite numbers."""
+    every = np.append(amplitude, omega)
+    if not (np.isfinite(every).all() and np.all(omega > 0.0)):
+        raise UsageError(
+            f"{structure.name}: the grid in units of this structure (A, Omega) leaves"
+            " the range of double precision"
+        )
+
+
 def cut_into_units(scene: Scene, chunk: tuple[int, int]) -> Iterator[Unit]:
     """Yield the units of work of a scene, row by row; chunk: (rows, columns)
     of a unit.
@@ -273,4 +290,5 @@ def cut_into_units(scene: Scene, chunk: tuple[int, int]) -> Iterator[Unit]:
     for group in scene.sharing():
         for row in range(0, rows, chunk[0]):
             for column in range(0, columns, chunk[1]):
-                yield Unit(group, row, column)
+                shape = min(chunk[0], rows - row), min(chunk[1], columns - column)
+                yield Unit(group, row, column, shape)

@@ -247,12 +247,9 @@ def spectrum_of(scene: Scene, options: SweepOptions | None = None) -> Spectrum:
     }
 
     def keep(unit: Unit, blocks: tuple[CellValues, ...]) -> None:
-        rows, columns = blocks[0]["outcome"].shape
         for i, block in zip(unit.places, blocks, strict=True):
             for name, values in arrays.items():
-                values[
-                    i, unit.row : unit.row + rows, unit.column : unit.column + columns
-                ] = block[name]
+                values[i, unit.rows, unit.columns] = block[name]
 
     summary = _run(scene, options, _units_of(scene, options), keep)
     theta_ratio, outcome, impacts = (
@@ -446,7 +443,7 @@ def _run(
     chunk, quantities = options.chunk(scene), options.quantities_of(scene)
     check = default_check(scene) if options.check is None else options.check
     verification = Verification(scene, check, chunk, todo)
-    job = Job(scene, chunk, verification.wanted, convert, quantities)
+    job = Job(scene, verification.wanted, convert, quantities)
 
     total = Report(
         Work(),
@@ -505,13 +502,10 @@ def _todo(
     found: as in `_run`.
     """
     part, parts = shard or (1, 1)
-    there = {unit: found(unit) for unit in units[part - 1 :: parts]}
-    todo = [unit for unit, counts in there.items() if counts is None]
+    known = [(unit, found(unit)) for unit in units[part - 1 :: parts]]
     resumed = np.zeros(len(Outcome), dtype=np.int64)
-    for counts in there.values():
-        if counts is not None:
-            resumed = resumed + counts
-    return todo, resumed
+    resumed += sum(counts for _, counts in known if counts is not None)
+    return [unit for unit, counts in known if counts is None], resumed
 
 
 def _crew(job: Job, options: SweepOptions, workers: int) -> Crew:

@@ -111,7 +111,7 @@ class Verification:
         self.answers: dict[CellPlace, Answer] = {}  # those that the reference found
         self.seconds = 0.0  # time that the checks took [s]
         with self._timed():
-            mine = {(unit.places[0], unit.row, unit.column) for unit in units}
+            mine = {unit.first for unit in units}
             _, rows, columns = scene.shape
             every = (
                 len(scene.sharing()) * -(-rows // chunk[0]) * -(-columns // chunk[1])

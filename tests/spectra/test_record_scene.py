@@ -291,9 +291,7 @@ def test_what_travels_with_a_unit_is_its_own_records():
     some = scene.only(units)
     assert len(pickle.dumps(some)) < len(pickle.dumps(scene)) / 8
     for unit in units:
-        (few,), (all_of_them,) = (
-            list(one.cells_of(unit, (1, 1))) for one in (some, scene)
-        )
+        (few,), (all_of_them,) = (list(one.cells_of(unit)) for one in (some, scene))
         assert few.motion.value(1.0) == all_of_them.motion.value(1.0)
 
 

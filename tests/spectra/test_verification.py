@@ -51,7 +51,7 @@ def checked(scene, check, chunk=None, units=None, workers=1):
     chunk = chunk or scene.shape[1:]
     units = list(cut_into_units(scene, chunk)) if units is None else units
     verification = Verification(scene, check, chunk, units)
-    job = Job(scene, chunk, verification.wanted)
+    job = Job(scene, verification.wanted)
     with local_crew(job, workers) as crew:
         found = dict(unit_reports(job, units, *crew))
         for report in found.values():

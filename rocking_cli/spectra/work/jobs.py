@@ -5,6 +5,7 @@ The cells of a unit are computed by the same code in the same order everywhere, 
 result does not depend on the number of workers or the size of a unit, to the last bit.
 """
 
+import math
 from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass
@@ -75,7 +76,6 @@ class Job:
     """
 
     scene: Scene  # the whole sweep
-    chunk: tuple[int, int]  # (rows, columns) of a unit
     # places whose results the verification needs, by the first cell of their unit
     wanted: Mapping[CellPlace, Sequence[CellPlace]]
     # turns a block into the data of a report; None: the block itself
@@ -104,14 +104,13 @@ class Job:
             few(scene.method.system_of(s), scene.segments) for s in self.runs.values()
         )
 
-    @cached_property
-    def together(self) -> int:
-        """The number of units in one batch, which fills the pool of the engine; all
-        units of a batch have one system.
+    def together(self, unit: Unit) -> int:
+        """Return the number of units such as this one in one batch, which fills the
+        pool of the engine; all units of a batch have one system.
         """
         if len(self.runs) > 1 or (self.scene.of_records and not self.shares_records):
             return 1
-        return max(1, TOGETHER // (self.chunk[0] * self.chunk[1]))
+        return max(1, TOGETHER // math.prod(unit.shape))
 
     @property
     def shares_records(self) -> bool:
@@ -126,7 +125,7 @@ class Job:
         """Compute some units. Cells of one system under one motion, or under records
         that chain, share a run of the march.
         """
-        parts = [list(self.scene.cells_of(unit, self._size(unit))) for unit in units]
+        parts = [list(self.scene.cells_of(unit)) for unit in units]
         runs: dict[Hashable, list[SceneCells]] = {}
         for cells in chain.from_iterable(parts):
             runs.setdefault(self._run_of(cells), []).append(cells)
@@ -142,14 +141,6 @@ class Job:
             reports.append(self._report(unit, list(map(_joined, blocks)), work))
             work = Work()
         return reports
-
-    def _size(self, unit: Unit) -> tuple[int, int]:
-        """Return (rows, columns) of a unit."""
-        _, rows, columns = self.scene.shape
-        return (
-            min(self.chunk[0], rows - unit.row),
-            min(self.chunk[1], columns - unit.column),
-        )
 
     def _run_of(self, cells: SceneCells) -> Hashable:
         """Return a key: cells of equal keys share a run."""
@@ -272,14 +263,13 @@ class Job:
 
     def _report(self, unit: Unit, places: Sequence[CellValues], work: Work) -> Report:
         """Return the report of a unit, from its cells at all its places."""
-        size, data = self._size(unit), {}
+        data = {}
         for cells in {id(x): x for x in places}.values():
-            block = {name: x.reshape(size) for name, x in cells.items()}
+            block = {name: x.reshape(unit.shape) for name, x in cells.items()}
             data[id(cells)] = self.convert(block) if self.convert else block
-        wanted = self.wanted.get((unit.places[0], unit.row, unit.column), ())
         seen = {}
-        for place in wanted:
-            at = (place[1] - unit.row) * size[1] + place[2] - unit.column
+        for place in self.wanted.get(unit.first, ()):
+            at = (place[1] - unit.row) * unit.shape[1] + place[2] - unit.column
             names = "outcome", "theta_ratio", "condition"
             seen[place] = Seen(*(places[0][name][at].item() for name in names))
         differs = places[0].get("difference", np.zeros(0, np.uint8))
@@ -294,7 +284,7 @@ class Job:
                 (Conditions.of(x["condition"]) for x in places[1:]),
                 Conditions.of(places[0]["condition"]),
             ),
-            size[0] * size[1] * (len(places) - 1),
+            math.prod(unit.shape) * (len(places) - 1),
             tuple(data[id(x)] for x in places),
             seen,
         )
@@ -338,7 +328,8 @@ def unit_reports(
     job: Job, units: Sequence[Unit], run: Runner, at_once: int
 ) -> Iterator[tuple[Unit, Report]]:
     """Yield the reports of the units, in their order, by a crew (see `Crew`)."""
-    size = max(1, min(job.together, -(-len(units) // at_once)))
+    together = job.together(units[0]) if units else 1
+    size = max(1, min(together, -(-len(units) // at_once)))
     batches = [list(units[i : i + size]) for i in range(0, len(units), size)]
     for batch, reports in zip(batches, run(batches), strict=True):
         yield from zip(batch, reports, strict=True)
