@@ -13,8 +13,8 @@ import numpy as np
 
 from ..dynamics.method import Method, governing_method
 from ..dynamics.outcome import Outcome
+from ..dynamics.references.extrapolation import EdgeMotion, Path, StatePoint
 from ..dynamics.references.general_solver import solve_cell
-from ..dynamics.references.script import Script
 from ..dynamics.response import response
 from ..errors import UsageError
 from ..motions.given import AnyMotion, with_grid
@@ -55,7 +55,7 @@ def work_precision(
         yield _of_engine(one, tolerance, known)
     for method in SCIPY_METHODS if scipy else ():
         for tolerance in SCIPY_TOLERANCES:
-            yield _of_scipy(one, Script(method, tolerance), known[:scipy])
+            yield _of_scipy(one, method, tolerance, known[:scipy])
 
 
 class KnownCell(NamedTuple):
@@ -117,10 +117,58 @@ def _timed_cells(scene: PulseScene) -> tuple[np.ndarray, np.ndarray]:
     return a.ravel(), w.ravel()
 
 
+def scipy_path(
+    method: str,
+    tolerance: float,
+    flow: EdgeMotion,
+    start: StatePoint,
+    stop: float,
+    limit: float,
+) -> Path:
+    """Return the same as `path` of the reference, by SciPy's `solve_ivp` with events,
+    as a user's script would call it; method, tolerance: that it is given.
+    """
+    from scipy.integrate import solve_ivp
+
+    events: tuple[Any, ...] = (
+        lambda t, state: state[0],
+        lambda t, state: state[1],
+        lambda t, state: state[0] - limit,
+    )
+    # The three events in order: impact, peak, end of the body's range. Only a peak does
+    # not stop the integration.
+    for event, direction, terminal in zip(
+        events, (-1, -1, 1), (True, False, True), strict=True
+    ):
+        event.direction, event.terminal = direction, terminal
+    found = solve_ivp(
+        lambda t, state: flow.rate(t, *state.tolist()),
+        (start.time, stop),
+        start[1:],
+        method=method,
+        rtol=max(tolerance, 2.3e-14),
+        atol=tolerance,
+        events=events,
+    )
+    impacts, peaks, _, steps = (
+        [StatePoint(float(t), *y.tolist()) for t, y in zip(*x, strict=True)]
+        for x in zip(
+            [*found.t_events, found.t], [*found.y_events, found.y.T], strict=True
+        )
+    )
+    return Path(
+        [p for p in peaks if p.time > start.time],
+        impacts[0] if impacts else steps[-1],
+        bool(impacts),
+        steps,
+    )
+
+
 def _of_scipy(
-    scene: PulseScene, solver: Script, known: Sequence[KnownCell]
+    scene: PulseScene, method: str, tolerance: float, known: Sequence[KnownCell]
 ) -> dict[str, Any]:
     """Return the row of one solver of SciPy, which solves cell by cell."""
+    solver = partial(scipy_path, method, tolerance)
     (structure,) = scene.structures
     problem = scene.method.problem_of(structure)
     began = time.perf_counter()
@@ -129,7 +177,7 @@ def _of_scipy(
         for cell in known
     ]
     cost = (time.perf_counter() - began) / max(1, len(answers))
-    return _compare(f"SciPy {solver.method}", solver.tolerance, answers, known, cost)
+    return _compare(f"SciPy {method}", tolerance, answers, known, cost)
 
 
 def accuracy(

@@ -32,6 +32,7 @@ CellPlace = tuple[int, int, int]  # (structure, row, column) of a cell
 
 _SEED = 2
 _LEAST = 256  # draws at the least
+_MOST = 100_000  # draws at the most, where few units of a sweep are left
 # draws for each cell that is wanted: of many scenes half the cells lift, and of one in
 # twenty the next cell has another outcome
 _DRAWS = 32
@@ -118,6 +119,7 @@ class Verification:
             )
             self.check = math.ceil(check * len(units) / every)
             count = max(_LEAST, _DRAWS * self.check) * every // max(1, len(units))
+            count = min(count, max(_MOST, _DRAWS * self.check))
             # drawn cells of these units, and the cell next to each
             self._pairs: list[tuple[CellPlace, CellPlace]] = []
             for place in drawn_cells(scene, count if self.check else 0):

@@ -60,7 +60,11 @@ def cluster(
         units = item if isinstance(item, list) else [Unit(item[:1], *item[1:])]
         return client.submit(
             Job.answer,
-            replace(job, scene=job.scene.only(units)),
+            replace(
+                job,
+                scene=job.scene.only(units),
+                wanted={unit.first: job.wanted.get(unit.first, ()) for unit in units},
+            ),
             item,
             pure=False,
             retries=3,

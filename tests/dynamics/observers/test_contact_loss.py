@@ -4,6 +4,7 @@ integration: test_contact_forces.py.
 
 import math
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
@@ -31,9 +32,9 @@ from rocking_cli.dynamics.observers.contact_loss import (
 )
 from rocking_cli.dynamics.outcome import safe
 from rocking_cli.dynamics.references.general_solver import solve_cell
-from rocking_cli.dynamics.references.script import Script
 from rocking_cli.motions.biaxial import with_vertical
 from rocking_cli.motions.polyline import Polyline
+from rocking_cli.reports.work_precision import scipy_path
 from rocking_cli.responses.time_history import time_history
 
 ETAS = 0.6, 0.98
@@ -74,7 +75,11 @@ def test_a_linear_point_mass_leaves_the_ground_from_where_its_closed_form_says(
     omega, path
 ):
     body, method = pendulum(), Method()
-    solver = {} if path == "midpoint rule" else {"solver": Script("DOP853", 1e-10)}
+    solver = (
+        {}
+        if path == "midpoint rule"
+        else {"solver": partial(scipy_path, "DOP853", 1e-10)}
+    )
     off = 1e-12 if path == "march" else 1e-9
     for factor, expected in (
         (1.0 - off, Outcome.ROCKED),
