@@ -203,10 +203,11 @@ class Document:
         """
         self.table = keys.all
         self._refuse([key for key in self.keys if key not in keys.all], elsewhere)
-        given = list(filter(self._stated, keys.all))
+        stated = set(filter(self._stated, self.keys))
         for group, ways in enumerate(keys.ways):
-            if keys.way(given, group) >= 0:
+            if keys.way(stated, group) >= 0:
                 continue
+            given = [key for key in keys.all if key in stated]
             pairs = (x for x in combinations(given, 2) if keys.way(x, group) < 0)
             one, other = next(pairs, (given[0], given[-1]))
             wanted = ", or ".join(both(way.required) for way in ways)
@@ -643,15 +644,11 @@ class Document:
         for part in self.inner:
             part.finish()
         unread = [key for key in self.keys if key not in self.asked]
-        for key in unread:
-            if key in self.table and key in self.values:
-                kind = self.values.get("kind")
-                of = f" of kind {kind}" if kind else ""
-                raise self.fault(
-                    key,
-                    f"{key}{of}, which does not go with the other keys",
-                    f"no {key}",
-                )
+        for key in filter(self._stated, self.table.keys() & unread):
+            of = f" of kind {self.values['kind']}" if "kind" in self.values else ""
+            found = f"{key}{of}, which does not go with the other keys"
+            raise self.fault(key, found, f"no {key}")
+        unread = [key for key in unread if key not in self.table]
         self._refuse(unread, elsewhere)
         # the other names, which only a fault tells, are more than the document itself
         self.asked &= self.keys.keys()
@@ -662,37 +659,26 @@ class Document:
         """Refuse keys that are not known, or keep those of a row of a table as labels.
         Raises DocumentError.
         """
+        if not unknown:
+            return
         units = {cell.key: cell.unit for cell in self.cells}
-        known = self._known()
+        known, here = frozenset({*self.table, *self.asked}), frozenset(self.keys)
         for key in unknown:
+            unit = units.get(key, "")
             if (
                 not self.cells
-                or units.get(key)
+                or unit
                 or key in elsewhere()
-                or split_heading(key)[0] in known
-                or _words_of_the_field(key)
-                or self._meant(key)
+                or not _is_label(key, known, here)
             ):
-                raise self._unknown(key, units.get(key, ""))
-        if unknown:
-            self._keep_labels(unknown)
+                raise self._unknown(key, known, unit)
+        self._keep_labels(unknown)
 
-    def _known(self) -> Collection[str]:
-        """Return the declared keys, and those that were asked for."""
-        return {*self.table, *self.asked}
-
-    def _meant(self, heading: str) -> str:
-        """Return the key that the heading of a column probably means, an empty text for
-        a label.
-        """
-        return _key_like(heading, frozenset(self._known()), frozenset(self.keys))
-
-    def _unknown(self, key: str, stated: str = "") -> DocumentError:
-        """Return the error for a key that is not known; stated: the unit of its
-        column.
+    def _unknown(self, key: str, known: frozenset[str], stated: str) -> DocumentError:
+        """Return the error for a key that is not one of those known; stated: the unit
+        of its column.
         """
         place = self.keys[key]
-        known = sorted(self._known())
         base, unit = split_heading(key)
         if unit and self.cells and base in known:
             return DocumentError(
@@ -705,12 +691,15 @@ class Document:
                 " kind rigid, whose keys left, right and height state it, or no such"
                 " column"
             )
-        meant = self._meant(key) if self.cells else ""
+        here = frozenset(self.keys)
+        meant = _key_like(key, known, here) if self.cells else ""
         words = (
-            f" (did you mean {meant!r}?)" if meant else did_you_mean(key, known, MEANT)
+            f" (did you mean {meant!r}?)"
+            if meant
+            else did_you_mean(key, sorted(known), MEANT)
         )
         label = f" with the unit {stated}, which no label has" if stated else ""
-        words = words or f"; known keys of this kind: {', '.join(known)}"
+        words = words or f"; known keys of this kind: {', '.join(sorted(known))}"
         return DocumentError(f"{place}: unknown key {key!r}{label}{words}")
 
     def _keep_labels(self, keys: Collection[str]) -> None:
@@ -794,7 +783,18 @@ class Document:
         )
 
 
-@lru_cache  # every row of a table asks for that of its labels
+@lru_cache  # every row of a table asks for those of its columns
+def _is_label(heading: str, known: frozenset[str], here: frozenset[str]) -> bool:
+    """True for the heading of a column that is like no known key and no word of the
+    field; here: the keys of the document.
+    """
+    return not (
+        split_heading(heading)[0] in known
+        or _words_of_the_field(heading)
+        or _key_like(heading, known, here)
+    )
+
+
 def _key_like(heading: str, asked: frozenset[str], stated: frozenset[str]) -> str:
     """Return the key among those asked for that the heading of a column probably means,
     an empty text for a label; stated: the keys of the document.
@@ -816,14 +816,13 @@ def _key_like(heading: str, asked: frozenset[str], stated: frozenset[str]) -> st
     return next(iter([*close, *begun, *named]), "")
 
 
-def _words_of_the_field(heading: str) -> list[str]:
+def _words_of_the_field(heading: str) -> tuple[str, ...]:
     """Return the words in the heading of a column that this field has for keys, which
     no label has.
     """
-    words = [word for word in re.split(r"[^a-z]+", heading.casefold()) if word]
-    alone = len(words) == 1
-    return [
+    words = re.findall(r"[a-z]+", heading.casefold())
+    return tuple(
         word
         for word in words
-        if (word in MEANT or word in _CENTRES) and (alone or len(word) > 1)
-    ]
+        if (word in MEANT or word in _CENTRES) and (len(words) == 1 or len(word) > 1)
+    )

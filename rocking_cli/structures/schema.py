@@ -71,18 +71,15 @@ def _mapping(keys: Keys) -> Schema:
     """Return the schema of a document, or of a mapping inside it."""
     found: Schema = {
         **_MAPPING,
-        "properties": {name: _described(key) for name, key in keys.all.items()},
+        "properties": {
+            name: ({"description": key.doc} if key.doc else {}) | _of(key)
+            for name, key in keys.all.items()
+        },
         "additionalProperties": False,
         "required": list(keys.required),
     }
     ways = [[{"required": list(way.required)} for way in group] for group in keys.ways]
     return found | {"allOf": [{"anyOf": group} for group in ways]}
-
-
-def _described(key: Key) -> Schema:
-    """Return the schema of the values of a key, with its description."""
-    found = _of(key)
-    return {"description": key.doc, **found} if key.doc else found
 
 
 def _of(key: Key) -> Schema:
