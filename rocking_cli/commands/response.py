@@ -115,7 +115,7 @@ def response(
 
         slid = slide_history(structures[0], *shaken.shakes[0])
         if slid is not None:
-            _print_sliding(slid, wanted)
+            _print_sliding(slid, wanted, figure)
             demand.note_demand(shaken.shakes)
             note(f"{structures[0].name}: {slid.words}")
             return
@@ -160,18 +160,23 @@ def _shaken(asked: OneMotion) -> ground.Ground:
     return asked.of(ground.Ground(directed.motion))
 
 
-def _print_sliding(slid: SlideHistory, wanted: ResponseOptions) -> None:
-    """Print the rows or the events of a body that slides."""
+def _print_sliding(
+    slid: SlideHistory, wanted: ResponseOptions, figure: options.FigureFile
+) -> None:
+    """Print the rows or the events of a body that slides, and draw the rows."""
     from ..responses.time_history import EVENT_KEYS, KEYS, NAMED
 
     refuse(f"does not go with {slid.structure.name}, which slides", "dimensionless")
-    if not wanted.events:
-        rows = slid.rows(
+    rows = list(
+        slid.rows(
             dt=wanted.dt,
             steps=wanted.steps,
             duration=wanted.duration,
             forces=wanted.forces,
         )
+    )
+    figure.draw(rows)
+    if not wanted.events:
         emit(rows, keys=KEYS, unseen=NAMED)
         return
     closing: Iterable[dict[str, Any]] = [slid.summary()] if form() == "json" else ()

@@ -193,7 +193,8 @@ class SlideHistory(Shown):
         forces: bool = False,
     ) -> Iterator[dict[str, Any]]:
         """Yield a row for each time: t [s], slide [m], slide_velocity [m/s],
-        ground_acceleration [m/s2].
+        ground_acceleration [m/s2], and what is the same in all rows: names, outcome,
+        a_g [m/s2], omega_g [rad/s] of a pulse, friction [-].
 
         Parameters
         ----------
@@ -222,6 +223,16 @@ class SlideHistory(Shown):
         most = self.friction.static * weight  # also in the instant of a start
         held = np.clip(ground / self.structure.gravity, -most, most)
         across = np.where(v == 0.0, held, kinetic)
+        pulse = self.motion.acceleration is None
+        named = {
+            "structure": self.structure.name,
+            "motion": self.motion.name,
+            "model": "sliding",
+            "outcome": self.outcome.flag,
+            "a_g": self.demand_a,
+            "omega_g": self.omega if pulse else None,
+            "friction": self.friction.static,
+        }
         columns = [times, u * self._length, v * self.demand_a / self.omega, ground]
         for t, slide, speed, a, fx, fz in zip(*columns, across, weight, strict=True):
             yield {
@@ -230,9 +241,7 @@ class SlideHistory(Shown):
                 "slide_velocity": float(speed) + 0.0,  # no negative zero
                 **({"fx_ratio": float(fx), "fz_ratio": float(fz)} if forces else {}),
                 "ground_acceleration": float(a),
-                "structure": self.structure.name,
-                "motion": self.motion.name,
-                "model": "sliding",
+                **named,
             }
 
     def events(self) -> Iterator[dict[str, Any]]:

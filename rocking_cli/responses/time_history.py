@@ -35,7 +35,7 @@ NAMED = (
     "motion",
     "model",
     *("outcome", "outcome_linear", "outcome_nonlinear"),
-    *("a_g", "omega_g", "demand_A", "Omega"),
+    *("a_g", "omega_g", "demand_A", "Omega", "friction"),
 )
 KEYS = ("t", "tau")  # the columns that say which row it is
 EVENT_KEYS = ("model", "event", *KEYS)

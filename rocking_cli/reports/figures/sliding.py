@@ -13,9 +13,9 @@ def slide_history(figure: Figure, rows: Rows, units: Units) -> list[Axes]:
     above, middle, below = figure.subplots(3, 1, sharex=True, height_ratios=[3, 1.5, 1])
     t = column_in(rows, "t", units)
     above.plot(t, column_in(rows, "slide", units))
-    above.set(
-        ylabel=label("slide", units), title=heading(rows, units, "structure", "motion")
-    )
+    friction = f", friction {float(rows[0]['friction']):.4g}"
+    title = heading(rows, units, "structure", "motion") + friction
+    above.set(ylabel=label("slide", units), title=title)
     middle.plot(t, column_in(rows, "slide_velocity", units), color="C1", lw=1.2)
     middle.set_ylabel(label("slide_velocity", units))
     below.plot(
