@@ -45,8 +45,10 @@ class CodeOptions:
     )
     spectrum: str | None = option(
         "--spectrum",
-        "Spectrum for --code: CSV of T and S_a at 5 % (default: the motion's).",
+        "Spectrum for --code: CSV of T and S_a at 5 %, of SLV or of each limit state"
+        " (default: the motion's).",
         type=InputPath(),
+        metavar="FILE|slv=FILE,slc=FILE",
     )
     floor: tuple[str, ...] = option(
         "--floor",

@@ -1,5 +1,6 @@
 """What `rocking check --code` adds to the rows, the figure and the lines of a check."""
 
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -8,13 +9,38 @@ from ..dynamics.method import governing_method
 from ..errors import UsageError
 from ..motions.buildings import Building
 from ..motions.design_spectra import parse_floor, read_spectrum
-from ..reports.figures.capacities import draw_capacity_curves
+from ..reports.figures.capacities import code_demand_in_words, draw_capacity_curves
+from ..reports.wording import verified_in_words
 from ..responses.check import Demand
-from ..responses.code_check import SLC, SLV, CodeCheck, code_check, first_beyond
+from ..responses.code_check import (
+    SLC,
+    SLV,
+    CodeCheck,
+    code_check,
+    first_beyond,
+)
 from ..responses.verdict import CHECK_KEYS, Verdict
 from ..structures import RockingParameters
 from ..structures.mechanics.capacity_curve import require_geometry
+from .command import partly
 from .printing import emit, note
+
+_FILES = re.compile(r"(slv|slc)=([^,]+)(?:,(slv|slc)=([^,]+))?")
+
+
+def spectra_of(text: str) -> dict[str, str]:
+    """Return the files of --spectrum by limit state: FILE is that of SLV, else
+    slv=FILE,slc=FILE or one of the two. Raises UsageError.
+    """
+    if not text.startswith(("slv=", "slc=")):
+        return {"slv": text}
+    found = _FILES.fullmatch(text)
+    if found is None or found[1] == found[3]:
+        raise UsageError(
+            f"--spectrum: found {text!r}; expected FILE, or slv=FILE,slc=FILE"
+        )
+    both = {found[1]: found[2], found[3]: found[4]}
+    return {state: source for state, source in both.items() if state}
 
 
 class CodeRows:
@@ -24,10 +50,12 @@ class CodeRows:
         self, spectrum: str | None, floor: Sequence[str], fc: float | None
     ) -> None:
         """Read the options. Raises UsageError, DocumentError."""
-        site = None if spectrum is None else read_spectrum(spectrum)
+        self.files = {} if spectrum is None else spectra_of(spectrum)
+        read = {key: read_spectrum(source) for key, source in self.files.items()}
         # arguments of `code_check`
         self.given: dict[str, Any] = {
-            "site": site,
+            "site": read.get("slv"),
+            "site_slc": read.get("slc"),
             "floor": [parse_floor(text) for text in floor],
             "confidence": 1.0 if fc is None else fc,
         }
@@ -179,12 +207,26 @@ class CodeRows:
     def _remark(self, checks: Sequence[CodeCheck]) -> None:
         demands = list(dict.fromkeys(check.demand for check in checks))
         where = " on a floor" if self.given["floor"] else ""
-        on = demands[0] if len(demands) == 1 else f"{len(demands)} motions"
+        on = (
+            code_demand_in_words(checks)
+            if len(demands) == 1
+            else f"{len(demands)} motions"
+        )
         self.lines.insert(
             0,
             f"code: Circolare 7/2019 C8.7.1, FC = {self.given['confidence']:g},"
             f" spectrum of {on}{where}",
         )
+        self.lines += verified_in_words(checks)
+        for check in checks:
+            for state, why in check.unanswered.items():
+                partly()
+                self.lines.append(f"{check.structure}: {state} is not known: {why}")
+        if list(self.files) == ["slv"]:
+            self.lines.append(
+                "SLC is not checked: the spectrum is that of SLV, and SLC has another"
+                " return period; --spectrum slv=FILE,slc=FILE states both"
+            )
         if where and self.building is None:
             self.lines.append(
                 "the dynamics are those under the motion of the ground, not of the"
@@ -195,14 +237,14 @@ class CodeRows:
                 "the row of the code and the dynamics describe the same floor: the code"
                 " by its floor spectrum, the dynamics by the motion of the floor"
             )
-        elif self.building is not None and self.given["site"] is not None:
+        elif self.building is not None and self.files:
             self.lines.append(
                 "the row of the code is that of the spectrum on the ground, the"
                 " dynamics are those on the floor; --floor gives the code the same"
                 " floor"
             )
         if broken := dict.fromkeys(
-            check.structure for check in checks if check.slv.broken
+            check.structure for check in checks if check.slv and check.slv.broken
         ):
             self.lines.append(
                 "a tie or a tendon breaks before 0.4 d0, and decides d_slv:"

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from . import demand, options
 from .check import CodeOptions
-from .command import command, flag, group, option, partly
+from .command import command, flag, group, option, partly, refuse
 from .draws import Draws, require_spreads
 from .printing import note, quiet
 from .progress import ProgressLine
@@ -75,7 +75,7 @@ def report(
     cells in which the linear equation is wrong, and fragility curves under records;
     with --code the verdicts of the code and the capacity curve; with --draws the share
     of the draws that falls, over the amplitude; then the documents, the command,
-    versions and hashes. It prints on A4 or Letter, two structures a page. The page
+    versions and hashes. It prints on A4, two structures a page. The page
     needs jinja2 and matplotlib: pip install jinja2 matplotlib.
     """
     from ..dynamics.outcome import Outcome
@@ -98,7 +98,17 @@ def report(
         documents.extend(options.documents_of(files, MOST, "a page", each=True))
         return list(with_distinct_names(map(build_structure, documents))), {}
 
-    stated = demands_on(members, asked, motions, sign).needed(False)
+    stated = demands_on(members, asked, motions, sign)
+    alone = by_code is not None and bool(by_code.files) and not stated.shakes
+    if alone:
+        refuse(
+            "needs a motion: under --spectrum alone nothing is shaken",
+            "draws",
+            "sort",
+            "inset_effect",
+        )
+    else:
+        stated.needed(by_code is not None)
     options.refuse_own_input(wanted.output, stated.shaken.recordings)
     if drawn.draws is not None:
         require_spreads(stated.structures)
@@ -114,7 +124,7 @@ def report(
         demands.rows,
         wanted.output,
         _asked(demands, wanted, by_code, drawn),
-        demand=_in_words(demands, wanted.summary),
+        demand=_in_words(demands, wanted.summary) if demands.shakes else "",
         ranges=demands.ranges,
         opposite=opposite,
         remarks=lambda found: _remarks(found, demands, wanted, by_code, limit),
@@ -123,7 +133,10 @@ def report(
         overwrite=overwrite,
         workers=workers,
         progress=ProgressLine("report", "checks"),
+        tell=note,
     )
+    if alone:
+        return
     demand.note_demand(demands.shakes)
     demand.note_governing(demands.structures, demands.shakes[0][1].dimensionless)
     note(f"{wanted.output}: {tally(verdicts)}")
@@ -150,6 +163,7 @@ def _asked(
         draws=None if drawn.draws is None else (drawn.draws, drawn.seed),
         fragility=demands.azimuths is None,
         code=None if by_code is None else by_code.given,
+        spectra=() if by_code is None else tuple(by_code.files.values()),
     )
 
 
@@ -178,13 +192,6 @@ def _remarks(
     """Yield sentences for the page that `rocking check` prints below its rows."""
     from .check_remarks import inset_effects, worst_at_an_end
 
-    if by_code is not None:
-        floor = ", on a floor" * bool(by_code.given["floor"])
-        yield (
-            "SLV: Circolare 7/2019, C8.7.1, with the confidence factor"
-            f" {by_code.given['confidence']:g}{floor}. In brackets: the amplitude that"
-            " the code accepts over the demand."
-        )
     if demands.ranged:
         tried = (
             "range of frequencies"

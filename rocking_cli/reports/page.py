@@ -11,6 +11,7 @@ import platform
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import date
+from decimal import ROUND_CEILING, ROUND_FLOOR, ROUND_HALF_EVEN, Decimal
 from functools import partial
 from importlib.metadata import version
 from importlib.resources import files
@@ -19,7 +20,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from .. import __version__
-from ..digits import digits_apart
 from ..documents.document import Document
 from ..documents.files import whole_text
 from ..documents.quantities import DEFAULT_GRAVITY
@@ -32,6 +32,7 @@ from ..plugins import require
 from ..processes import available_cpus, processes
 from ..publishing import check_target, published
 from ..responses.check import Demand, OfRange, Progress, verdicts
+from ..responses.code_check import METHODS
 from ..responses.opposite import opposite_outcomes
 from ..responses.verdict import Verdict
 from ..structures import (
@@ -40,7 +41,7 @@ from ..structures import (
     with_distinct_names,
 )
 from ..structures.given import documents_from
-from .figures.capacities import capacities
+from .figures.capacities import capacities, code_demand_in_words
 from .page_sections import Cases, CodeVerdict, Subject, checked, image, section
 from .tables import Above
 from .wording import (
@@ -50,6 +51,7 @@ from .wording import (
     opposite_in_words,
     overview_row,
     tally,
+    verified_in_words,
     worst_of,
 )
 
@@ -82,7 +84,16 @@ RANGED = {
 """The columns of a range: the attribute of `ranged` (heading, unit)."""
 
 _NAMED = 5  # structures in the title, at most
-_DIGITS = 3  # significant ones of a number in the tables of verdicts
+# decimals and rounding of the columns whose heading ends so
+_FORMS = (
+    ("over demand", (2, ROUND_FLOOR)),
+    ("overturns from [g]", (3, ROUND_FLOOR)),
+    ("safe up to [g]", (3, ROUND_FLOOR)),
+    ("least vertical force", (2, ROUND_FLOOR)),
+    ("friction needed", (2, ROUND_CEILING)),
+    ("[deg]", (1, ROUND_HALF_EVEN)),
+    ("", (3, ROUND_HALF_EVEN)),
+)
 
 
 WRITTEN_WITH = ("a report needs", "jinja2", "matplotlib")  # the arguments of `require`
@@ -103,6 +114,7 @@ class Asked:
     fragility: bool = True  # curves of records
     # arguments of `code_check`, None without a check by a code
     code: Mapping[str, Any] | None = None
+    spectra: Sequence[str] = ()  # the files of the spectra of the code
 
 
 def page(
@@ -110,6 +122,7 @@ def page(
     verdicts: Sequence[Verdict],
     asked: Asked,
     *,
+    checks: Sequence[CodeVerdict] = (),
     demands: Sequence[Demand] = (),
     recordings: Sequence[Recording] = (),
     vertical: str | None = None,
@@ -120,39 +133,47 @@ def page(
 ) -> str:
     """Return the page as HTML.
 
-    verdicts: those of `check`, for each of the demands; vertical: name or file of the
+    verdicts: those of `check`, for each of the demands; checks: those by the code, of
+    each verdict, or without verdicts of each structure; vertical: name or file of the
     vertical motion; demand: the strength of the shaking in words; opposite: a remark on
     that direction; remarks: sentences below the table of verdicts.
     """
     motions = ", ".join(dict.fromkeys(v.motion for v in verdicts))
     if asked.by_capacity:
         subjects, verdicts, demands = _by_capacity(subjects, verdicts, demands)
-    checks = [] if asked.code is None else checked(verdicts, demands, asked.code)
     cases = {
         name: Cases.of(name, verdicts, demands, checks)
         for name in (s.structure.name for s in subjects)
     }
     summary = asked.summary
     shaking = f"under {demand}" if summary else f"under {motions}: {demand}"
+    structures = _sections(
+        [(s, cases[s.structure.name]) for s in subjects], recordings, workers, asked
+    )
+    drawn = [
+        line for one in structures if one["draws"] for line in one["draws"]["lines"]
+    ]
+    means = "Of the means, " * bool(drawn)
     return _template().render(
         title=asked.title or f"Rocking of {_some(list(cases))}",
         place=", ".join(filter(None, (asked.place, asked.author))),
         opposite=opposite,
         remarks=remarks,
-        lead=f"{tally(verdicts)}, {shaking}.",
-        overview=_overview(cases) if summary else [],
-        verdicts=_details(verdicts, checks),
-        capacities=image(lambda figure: capacities(figure, verdicts, True)),
-        structures=_sections(
-            [(s, cases[s.structure.name]) for s in subjects],
-            recordings,
-            workers,
-            asked,
+        lead=f"{means}{tally(verdicts)}, {shaking}." if verdicts else "",
+        code=_of_code(checks, asked.code or {}) if checks else None,
+        overview=_overview(cases) if summary and verdicts else [],
+        verdicts=_details(verdicts) if verdicts else [],
+        capacities=(
+            image(lambda figure: capacities(figure, verdicts, True))
+            if verdicts
+            else None
         ),
+        structures=structures,
+        draws=drawn,
         command=asked.command,
         made=asked.made,
         versions=_versions(),
-        hashes=_hashes(subjects, recordings, vertical),
+        hashes=_hashes(subjects, recordings, [vertical or "", *asked.spectra]),
     )
 
 
@@ -199,29 +220,55 @@ def _overview(cases: Mapping[str, Cases]) -> list[dict[str, Any]]:
     for mine in cases.values():
         worst = worst_of(mine.verdicts)
         cells = dict(zip(OVERVIEW, overview_row(mine.verdicts), strict=True))
-        if mine.checks:
-            said = min(mine.checks, key=lambda one: one.slv)
-            cells["verdict"] = f"{cells['verdict']} {said.check.sentence('code_slv')}."
-        rows.append(_row(cells, worst))
-    return _aligned(rows)
+        rows.append(_verdict_row(cells, worst))
+    return rows
 
 
 def _details(
-    verdicts: Sequence[Verdict], checks: Sequence[CodeVerdict]
+    verdicts: Sequence[Verdict],
 ) -> list[dict[str, Any]]:
     """Return the rows of the table of verdicts."""
     rows = []
-    for i, v in enumerate(verdicts):
+    for v in verdicts:
         cells = dict(zip(HEADS, attrgetter(*HEADS.values())(v), strict=True))
         cells |= {
             RANGED[key][0]: None if x is None else RANGED[key][1] * float(x)
             for key, x in v.ranged.items()
             if key in RANGED
         }
-        if checks:
-            cells["SLV"] = checks[i].check.sentence("code_slv").removeprefix("SLV: ")
-        rows.append(_row(cells, v))
-    return _aligned(rows)
+        rows.append(_verdict_row(cells, v))
+    return rows
+
+
+def _of_code(checks: Sequence[CodeVerdict], code: Mapping[str, Any]) -> dict[str, Any]:
+    """Return what the page says first of the check by a code: its demand, its verdict
+    and a row for each check, red if a limit state is not verified.
+    """
+    found = [one.check for one in checks]
+    floor = ", on a floor" * bool(code.get("floor"))
+    demand = code_demand_in_words(found)
+    rows = []
+    for one in checks:
+        ratios = one.check.ratios()
+        cells: dict[str, str | float | None] = {"structure": one.check.structure}
+        if len({c.motion for c in checks}) > 1:
+            cells["motion"] = one.motion
+        for key, head in METHODS.items():
+            if key in ratios or head in one.check.asked:
+                said = one.check.sentence(key).removeprefix(f"{head}: ")
+                cells[f"{head}: verdict"] = said.partition(" (")[0]
+                cells[f"{head}: accepted over demand"] = ratios.get(key)
+        rows.append(_row(cells, falls=not one.verified))
+    return {
+        "lead": f"{'; '.join(verified_in_words(found))}. Demand: {demand}{floor},"
+        f" confidence factor {code.get('confidence', 1.0):g}.",
+        "rows": rows,
+        "unknown": [
+            f"{check.structure}: {state} is not known: {why}."
+            for check in found
+            for state, why in check.unanswered.items()
+        ],
+    }
 
 
 def _by_capacity(
@@ -362,22 +409,27 @@ def write_page(
     recordings: Sequence[Recording] = (),
     vertical: str | None = None,
     progress: Progress | None = None,
+    tell: Callable[[str], None] = lambda _: None,
 ) -> list[Verdict]:
     """Check the structures under their demands, write the page and return the verdicts.
 
     ranges: as of `verdicts`; opposite: returns the outcomes in the opposite direction
-    by name; remarks: returns sentences on the verdicts; the other arguments are those
-    of `page`. Raises UsageError for a target that cannot or must not be written, before
-    anything is computed, and OutputError.
+    by name; remarks: returns sentences on the verdicts; tell: called with the verdict
+    of the code; the other arguments are those of `page`. Raises UsageError for a target
+    that cannot or must not be written, before anything is computed, and OutputError.
     """
     check_target(Path(target), overwrite)
     require(*WRITTEN_WITH)
     found = list(verdicts(demands, ranges=ranges, workers=workers, progress=progress))
     outcomes = opposite()
+    checks = [] if asked.code is None else checked(subjects, found, demands, asked.code)
+    for line in verified_in_words([one.check for one in checks]):
+        tell(line)
     text = page(
         subjects,
         found,
         asked,
+        checks=checks,
         demands=demands,
         recordings=recordings,
         vertical=vertical,
@@ -392,7 +444,7 @@ def write_page(
 
 
 def _hashes(
-    subjects: Sequence[Subject], recordings: Sequence[Recording], vertical: str | None
+    subjects: Sequence[Subject], recordings: Sequence[Recording], others: Sequence[str]
 ) -> list[tuple[str, str]]:
     """Return (name, SHA-256) of each input: that of its file, or of the text of a
     document without a file.
@@ -404,7 +456,7 @@ def _hashes(
         )
     inputs |= {
         source: Path(source).read_bytes()
-        for source in (*inputs, vertical or "")
+        for source in (*inputs, *others)
         if Path(source).is_file()
     }
     found = {
@@ -416,41 +468,34 @@ def _hashes(
     )
 
 
-def _row(values: Mapping[str, str | float | None], v: Verdict) -> dict[str, Any]:
+def _verdict_row(values: dict[str, str | float | None], v: Verdict) -> dict[str, Any]:
     """Return the template's values for a row of a table of verdicts; values: of each
     column by its heading.
     """
-    cells = []
-    for head, x in values.items():
-        if isinstance(x, str):
-            text = x
-        elif head == "capacity over demand" and v.capacity_above is not None:
-            text = Above(v.capacity_above).shown(_DIGITS)
-        elif x is None:
-            text = "–"
-        else:
-            of_one = head == "capacity over demand"
-            digits = digits_apart(x, 1.0, _DIGITS) if of_one else _DIGITS
-            text = _number(x / DEFAULT_GRAVITY if "[g]" in head else x, digits)
-        cells.append({"head": head, "text": text, "number": not isinstance(x, str)})
-    return {"falls": v.falls, "cells": cells}
+    if v.capacity_above is not None:
+        values["capacity over demand"] = Above(v.capacity_above)
+    return _row(values, v.falls)
 
 
-def _number(x: float, digits: int = _DIGITS) -> str:
-    """Return a number with so many digits: 0.250, 1.05, 12.3."""
-    text = f"{x:#.{digits}g}"
-    return f"{x:.0f}" if abs(x) >= 10.0**digits else text.removesuffix(".")
+def _row(values: Mapping[str, str | float | None], falls: bool) -> dict[str, Any]:
+    """Return the template's values for a row; falls: True for a red one."""
+    cells = [
+        {"head": head, "text": _cell(head, x), "number": not isinstance(x, str)}
+        for head, x in values.items()
+    ]
+    return {"falls": falls, "cells": cells}
 
 
-def _aligned(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
-    """Add to each number the places by which it stands left of the end of its column,
-    so that the decimal points are in a line.
+def _cell(head: str, x: str | float | None) -> str:
+    """Return a value of a column as a text. All numbers of a column have as many
+    decimals; what is compared is rounded to the safe side.
     """
-    for column in zip(*(row["cells"] for row in rows), strict=True):
-        places = [
-            len(cell["text"].partition(".")[2]) + ("." in cell["text"])
-            for cell in column
-        ]
-        for cell, own in zip(column, places, strict=True):
-            cell["places"] = max(places) - own
-    return rows
+    if x is None or isinstance(x, str):
+        return x or "–"
+    places, rounding = next(form for ends, form in _FORMS if head.endswith(ends))
+    unit = DEFAULT_GRAVITY if "[g]" in head else 1.0
+    least = Decimal(1).scaleb(-places)
+    shown = Decimal(repr(x / unit)).quantize(least, rounding)
+    if not shown and x > 0.0:
+        return f"< {least}"
+    return f"> {shown}" if isinstance(x, Above) else f"{shown}"

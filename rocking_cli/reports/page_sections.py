@@ -70,15 +70,31 @@ class CodeVerdict:
     promises: list[str]  # on each method that accepts more than the dynamics do
 
     @property
-    def slv(self) -> float:
-        """The amplitude that SLV accepts over the demand."""
-        return self.check.slv.amplitude / self.check.demand_a
+    def verified(self) -> bool:
+        """True if each limit state that is asked is verified."""
+        return all(map(self.check.verified, self.check.asked))
+
+    @property
+    def least(self) -> float:
+        """The least amplitude over the demand that a limit state accepts, 0 for one
+        without an answer.
+        """
+        ratios = (at.ratio for at in self.check.reached().values())
+        return 0.0 if self.check.unanswered else min(ratios)
 
 
 def checked(
-    verdicts: Sequence[Verdict], demands: Sequence[Demand], code: Mapping[str, Any]
+    subjects: Sequence[Subject],
+    verdicts: Sequence[Verdict],
+    demands: Sequence[Demand],
+    code: Mapping[str, Any],
 ) -> list[CodeVerdict]:
-    """Return the check by the code of each demand; code: arguments of `code_check`."""
+    """Return the check by the code of each demand, or without one of each structure;
+    code: arguments of `code_check`.
+    """
+    if not demands:
+        alone = [code_check(one.structure, **code) for one in subjects]
+        return [CodeVerdict(check.demand, check, []) for check in alone]
     found = []
     for v, demand in zip(verdicts, demands, strict=True):
         check = code_check(*demand, **code)
@@ -159,7 +175,9 @@ def section(
         ],
         "map": drawn,
         "validity": (
-            "The linear equation alone answers here."
+            None
+            if not mine
+            else "The linear equation alone answers here."
             if linear
             else _agreement(codes, judged)
         ),
@@ -329,7 +347,7 @@ def _by_code(checks: Sequence[CodeVerdict]) -> dict[str, Any]:
     """Return the template's values for the checks of a structure by the code: a line on
     each motion, and the capacity curve under the worst one.
     """
-    worst = min(checks, key=lambda one: one.slv)
+    worst = min(checks, key=lambda one: one.least)
 
     def plan(figure: Figure) -> None:
         figure.set_size_inches(6.4, 3.2)
@@ -340,7 +358,7 @@ def _by_code(checks: Sequence[CodeVerdict]) -> dict[str, Any]:
         several = f"{one.motion}: " if len(checks) > 1 else ""
         lines.append(f"{several}{', '.join(map(one.check.sentence, METHODS))}")
         lines += [f"{several}{line}" for line in one.promises]
-        if one.check.slv.broken:
+        if one.check.slv and one.check.slv.broken:
             lines.append(f"{several}a tie or a tendon breaks before 0.4 d0")
     return {"lines": lines, "figure": image(plan)}
 
@@ -355,9 +373,7 @@ def _draws(
         return None
     n, seed = draws
     shakes = cases.shakes
-    found = [
-        drawn_verdict(structure, *shake, n=n, seed=seed, a_max=None) for shake in shakes
-    ]
+    found = [drawn_verdict(structure, *shake, n=n, seed=seed) for shake in shakes]
     worst = max(range(len(found)), key=lambda i: found[i].share.count)
     motion, shaking = shakes[worst]
     demand = cases.verdicts[worst].demand_a
@@ -370,7 +386,12 @@ def _draws(
 
     return {
         "lines": [
-            draws_in_words(motion.name, one)
+            draws_in_words(
+                f"{structure.name} under {motion.name}"
+                if len(shakes) > 1
+                else structure.name,
+                one,
+            )
             for (motion, _), one in zip(shakes, found, strict=True)
         ],
         "figure": image(plan),

@@ -17,6 +17,7 @@ from ..structures import RockingParameters, Side
 from .figures.canvas import motion_in_words
 
 if TYPE_CHECKING:
+    from ..responses.code_check import CodeCheck
     from ..responses.uncertainty import DrawnVerdict
 
 OVERVIEW = (
@@ -51,8 +52,10 @@ def draws_in_words(name: str, found: "DrawnVerdict") -> str:
     if found.key is None:
         return line
     what = "the first overturning" if found.quantiles else "the outcome"
-    explained = 100.0 * found.indices[found.key]
-    return f"{line}; {found.key} explains {explained:.0f} % of {what}"
+    explained, low, high = (
+        f"{100.0 * x:.0f}" for x in (found.indices[found.key], *found.interval)
+    )
+    return f"{line}; {found.key} explains {explained} % ({low} to {high} %) of {what}"
 
 
 def demand_plainly(
@@ -180,6 +183,24 @@ def verdict_plainly(v: Verdict) -> str:
     elif v.slides and not v.coupling:
         said += " Its base would slide."
     return said + " This is by the linear equation alone." * (v.model == LINEAR.model)
+
+
+def verified_in_words(checks: Sequence["CodeCheck"]) -> list[str]:
+    """Return for each limit state of the code how many structures are not verified, and
+    which.
+    """
+    lines = []
+    for state in ("SLV", "SLC"):
+        asked = dict.fromkeys(c.structure for c in checks if state in c.asked)
+        failed = dict.fromkeys(
+            c.structure + " (not known)" * (state in c.unanswered)
+            for c in checks
+            if state in c.asked and not c.verified(state)
+        )
+        if asked:
+            names = f": {', '.join(failed)}" if failed else ""
+            lines.append(f"{state}: {len(failed)} of {len(asked)} not verified{names}")
+    return lines
 
 
 def tally(verdicts: Sequence[Verdict]) -> str:

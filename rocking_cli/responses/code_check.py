@@ -9,7 +9,7 @@ at uplift if that amplitude is larger.
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from decimal import ROUND_FLOOR, Decimal
 from pathlib import Path
@@ -38,6 +38,7 @@ from ..motions.grid import Grid
 from ..showing import Shown
 from ..structures.given import Structure, structure_from
 from ..structures.mechanics.capacity_curve import CapacityCurve, capacity_curves
+from ..structures.parameters import RockingParameters
 
 Q = 2.0  # behaviour factor of the linear check
 ROTATION = 0.40  # of alpha, which is d_SLV of a slender body
@@ -56,6 +57,15 @@ class LimitState(NamedTuple):
 
 
 SLV, SLC = LimitState(0.40, 1.68, 0.08), LimitState(0.60, 1.56, 0.10)
+STATES = {"slv": SLV, "slc": SLC}  # by their names in columns
+
+
+class CodeDemand(NamedTuple):
+    """The demand of a limit state."""
+
+    name: str  # of the motion or the file
+    amplitude: float  # of the motion, or the peak of the file [m/s2]
+    spectrum: AnySpectrum  # of the motion or the file, or of a floor above it
 
 
 class Reached(NamedTuple):
@@ -68,6 +78,12 @@ class Reached(NamedTuple):
     demand: float  # on the displacement [m]
     amplitude: float  # of the motion that reaches it [m/s2]
     broken: bool  # True if a tie decides it by its break
+    of: CodeDemand  # of the spectrum
+
+    @property
+    def ratio(self) -> float:
+        """The amplitude over that of the demand."""
+        return self.amplitude / self.of.amplitude
 
 
 @dataclass(frozen=True, repr=False)
@@ -75,21 +91,23 @@ class CodeCheck(Shown):
     """A structure checked by the Italian code, as `code_check` returns it.
 
     Amplitudes are those of the motion, or the peak of a spectrum file. Of several
-    directions these are the least amplitudes, and the curve with the least code_slv.
-    `accepted` gives the amplitude that each method accepts, `row` the columns that
-    `rocking check --code` adds.
+    directions these are the least amplitudes, and the curve with the least code_slv. A
+    limit state without a spectrum, or with one that ends before its period, is None,
+    and `unanswered` says why. `accepted` gives the amplitude that each method accepts,
+    `row` the columns that `rocking check --code` adds.
 
     Attributes
     ----------
     structure: its name
-    demand: name of the motion or the file
-    demand_a: amplitude of the motion or the file [m/s2]
+    demand: name of the motion or the file, of two files both
+    demand_a: amplitude of the motion or the file [m/s2], of two files that of SLV
     factor: a over alpha, g/(e* FC) [m/s2]
     linear: amplitude that q = 2 accepts [m/s2]
     slv: limit state of life safety
     slc: limit state of collapse
     curve: of the mechanism
-    spectrum: of the demand
+    asked: the demand of each limit state, by "SLV" or "SLC"
+    unanswered: why the spectrum of a limit state gives no answer, by "SLV" or "SLC"
     on_floor: True for the spectrum of a floor, if the dynamics are on the ground
 
     Examples
@@ -101,14 +119,18 @@ class CodeCheck(Shown):
     """
 
     structure: str  # its name
-    demand: str  # name of the motion or the file
-    demand_a: float  # amplitude of the motion or the file [m/s2]
+    demand: str  # name of the motion or the file, of two files both
+    # amplitude of the motion or the file [m/s2], of two files that of SLV
+    demand_a: float
     factor: float  # a over alpha, g/(e* FC) [m/s2]
-    linear: float  # amplitude that q = 2 accepts [m/s2]
-    slv: Reached  # limit state of life safety
-    slc: Reached  # limit state of collapse
+    # amplitude that q = 2 accepts [m/s2], under the spectrum of SLV; None without it
+    linear: float | None
+    slv: Reached | None  # limit state of life safety
+    slc: Reached | None  # limit state of collapse
     curve: CapacityCurve  # of the mechanism
-    spectrum: AnySpectrum  # of the demand
+    asked: dict[str, CodeDemand]  # the demand of each limit state, by "SLV" or "SLC"
+    # why the spectrum of a limit state gives no answer, by "SLV" or "SLC"
+    unanswered: dict[str, str]
     # True for the spectrum of a floor, if the dynamics are on the ground
     on_floor: bool
 
@@ -130,28 +152,67 @@ class CodeCheck(Shown):
             values [SI] by column
         """
         found: dict[str, Any] = {}
-        for key, a in {**self.accepted(), "theta_04_a": beyond}.items():
-            found |= {
-                key: a,
-                f"{key.removesuffix('_a')}_ratio": (
-                    None if a is None else a / self.demand_a
-                ),
-            }
-        limits = {
-            "d_slv": self.slv.displacement,
-            "t_slv": self.slv.period,
-            "d_slc": self.slc.displacement,
-            "t_slc": self.slc.period,
-        }
-        return found | {"e_star": self.curve.e_star, **limits}
+        accepted, ratios = self.accepted(), self.ratios()
+        for key in METHODS:
+            found |= {key: accepted.get(key), f"{key}_ratio": ratios.get(key)}
+        ratio = None if beyond is None else beyond / self.demand_a
+        found |= {"theta_04_a": beyond, "theta_04_ratio": ratio}
+        found["e_star"] = self.curve.e_star
+        for key, at in (("slv", self.slv), ("slc", self.slc)):
+            found[f"d_{key}"] = None if at is None else at.displacement
+            found[f"t_{key}"] = None if at is None else at.period
+        return found
+
+    def reached(self) -> dict[str, Reached]:
+        """Return the limit states that have an answer, by "SLV" and "SLC".
+
+        Returns
+        -------
+        dict of str to Reached
+        """
+        both = {"SLV": self.slv, "SLC": self.slc}
+        return {key: at for key, at in both.items() if at is not None}
 
     def accepted(self) -> dict[str, float]:
-        """Return the amplitude [m/s2] that each method accepts, by its column."""
-        return {
-            "code_linear": self.linear,
-            "code_slv": self.slv.amplitude,
-            "code_slc": self.slc.amplitude,
-        }
+        """Return the amplitude [m/s2] that each method accepts, by its column, of those
+        that have an answer.
+
+        Returns
+        -------
+        dict of str to float
+        """
+        linear = {} if self.linear is None else {"code_linear": self.linear}
+        states = self.reached().items()
+        return linear | {f"code_{key.lower()}": at.amplitude for key, at in states}
+
+    def ratios(self) -> dict[str, float]:
+        """Return each amplitude of `accepted` over that of its demand [-].
+
+        Returns
+        -------
+        dict of str to float
+        """
+        linear = (
+            {} if self.linear is None else {"code_linear": self.linear / self.demand_a}
+        )
+        states = self.reached().items()
+        return linear | {f"code_{key.lower()}": at.ratio for key, at in states}
+
+    def verified(self, state: str) -> bool:
+        """Return whether a limit state, "SLV" or "SLC", is verified; False without an
+        answer.
+
+        Parameters
+        ----------
+        state
+            "SLV" or "SLC"
+
+        Returns
+        -------
+        bool
+        """
+        at = self.reached().get(state)
+        return at is not None and at.ratio >= 1.0
 
     def sentence(self, key: str) -> str:
         """Return a verdict of the code, such as `SLV: not verified (0.62)`.
@@ -166,7 +227,10 @@ class CodeCheck(Shown):
         str
             with the accepted amplitude over the demand, rounded down
         """
-        ratio = self.accepted()[key] / self.demand_a
+        ratio = self.ratios().get(key)
+        if ratio is None:
+            why = self.unanswered.get(METHODS[key], "it has no spectrum")
+            return f"{METHODS[key]}: not known ({why})"
         shown = Decimal(repr(ratio)).quantize(Decimal("0.01"), ROUND_FLOOR)
         return f"{METHODS[key]}: {'not ' * (ratio < 1.0)}verified ({shown})"
 
@@ -208,6 +272,7 @@ def code_check(
     shaking: Grid | str | None = None,
     *,
     site: SpectrumFile | str | Path | None = None,
+    site_slc: SpectrumFile | str | Path | None = None,
     floor: Sequence[FloorMode] = (),
     confidence: float = 1.0,
 ) -> CodeCheck:
@@ -222,12 +287,16 @@ def code_check(
         a geometry
     motion
         the motion whose spectrum is the demand: an object, the name of a pulse, or a
-        path; None with `site`
+        path; None with a spectrum
     shaking
         amplitude and frequency of the motion, a grid of one cell or its text; a record
         does not need it
     site
-        a design spectrum, or the path of its file, in place of the motion's
+        the design spectrum of SLV, or the path of its file, in place of the motion's,
+        with which the motion is not used
+    site_slc
+        that of SLC, which has another return period; without one of the two its limit
+        state is not checked
     floor
         the modes of the building that carries the body, on a ground with this spectrum
     confidence
@@ -241,8 +310,8 @@ def code_check(
     Raises
     ------
     UsageError
-        for a structure without geometry, without a motion and a spectrum, for an
-        amplitude of zero, or periods beyond those of the spectrum
+        for a structure without geometry, without a motion and a spectrum, or an
+        amplitude of zero
 
     Notes
     -----
@@ -258,59 +327,105 @@ def code_check(
     [0.5, 0.537, 0.765]
     """
     structure = structure_from(structure)
-    if isinstance(site, str | Path):
-        site = read_spectrum(site)
     if not 1.0 <= confidence < math.inf:
         raise UsageError(
             f"`fc`: found {confidence:g}; expected a confidence factor from 1, such as"
             " 1.35"
         )
-    demand: AnySpectrum
+    sites = {"slv": site, "slc": site_slc}
     apart = bool(floor)  # from the dynamics, which are those on the ground
     if isinstance(motion, Motion) and motion.floor is not None:
         apart = False
-    if site is not None:
-        demand, name, amplitude = site, site.name, site.pga
-    elif motion is not None:
-        motion, shaking = demand_of(motion, shaking)
-        a, omega = shaking.cell(structure)
-        name, amplitude = motion.name, float(structure.ground_acceleration(a))
-        if not amplitude > 0.0:
-            raise UsageError("the amplitude is 0; expected a positive one")
-        ground, pace = motion, omega * structure.p
-        if floor and motion.floor is not None:  # the code makes its own floor
-            ground, pace = motion.floor.ground, motion.floor.omega
-        demand = MotionSpectrum.of(ground, amplitude, pace)
-    else:
-        raise UsageError("no demand; expected a motion, or the spectrum of a site")
-    demand = FloorSpectrum(demand, tuple(floor)) if floor else demand
-    found = []
-    for curve in capacity_curves(structure):
-        factor = structure.gravity / (curve.e_star * confidence)
-        uplift = amplitude * factor * float(curve.multiplier[0]) / demand.pga
-        slv, slc = (
-            _reached(curve, factor, state, demand, amplitude, uplift)
-            for state in (SLV, SLC)
-        )
-        found.append(
-            CodeCheck(
-                structure.name,
-                name,
-                amplitude,
-                factor,
-                Q * uplift,
-                slv,
-                slc,
-                curve,
-                demand,
-                apart,
-            )
-        )
-    weakest = min(found, key=lambda one: one.slv.amplitude)
+    asked = {key: _of_file(one, floor) for key, one in sites.items() if one is not None}
+    if not asked:
+        if motion is None:
+            raise UsageError("no demand; expected a motion, or the spectrum of a site")
+        asked = dict.fromkeys(STATES, _of_motion(structure, motion, shaking, floor))
+    found = [
+        _checked(structure, curve, asked, confidence, apart)
+        for curve in capacity_curves(structure)
+    ]
+    weakest = min(found, key=lambda one: one.ratios().get("code_slv", math.inf))
+    linear = [one.linear for one in found if one.linear is not None]
+    unanswered = {key: why for one in found for key, why in one.unanswered.items()}
+    slc = [one.slc for one in found if one.slc is not None]
     return replace(
         weakest,
-        linear=min(one.linear for one in found),
-        slc=min((one.slc for one in found), key=lambda at: at.amplitude),
+        linear=min(linear, default=None),
+        slv=None if "SLV" in unanswered else weakest.slv,
+        slc=(
+            min(slc, key=lambda at: at.amplitude)
+            if slc and "SLC" not in unanswered
+            else None
+        ),
+        unanswered=unanswered,
+    )
+
+
+def _of_file(site: SpectrumFile | str | Path, floor: Sequence[FloorMode]) -> CodeDemand:
+    """Return the demand of the spectrum of a file, on a floor if it has modes."""
+    found = read_spectrum(site) if isinstance(site, str | Path) else site
+    spectrum = FloorSpectrum(found, tuple(floor)) if floor else found
+    return CodeDemand(found.name, found.pga, spectrum)
+
+
+def _of_motion(
+    structure: RockingParameters,
+    motion: AnyMotion,
+    shaking: Grid | str | None,
+    floor: Sequence[FloorMode],
+) -> CodeDemand:
+    """Return the demand of the spectrum of a motion, on a floor if it has modes. Raises
+    UsageError.
+    """
+    motion, shaking = demand_of(motion, shaking)
+    a, omega = shaking.cell(structure)
+    amplitude = float(structure.ground_acceleration(a))
+    if not amplitude > 0.0:
+        raise UsageError("the amplitude is 0; expected a positive one")
+    ground, pace = motion, omega * structure.p
+    if floor and motion.floor is not None:  # the code makes its own floor
+        ground, pace = motion.floor.ground, motion.floor.omega
+    found = MotionSpectrum.of(ground, amplitude, pace)
+    spectrum = FloorSpectrum(found, tuple(floor)) if floor else found
+    return CodeDemand(motion.name, amplitude, spectrum)
+
+
+def _checked(
+    structure: RockingParameters,
+    curve: CapacityCurve,
+    asked: Mapping[str, CodeDemand],
+    confidence: float,
+    apart: bool,
+) -> CodeCheck:
+    """Return the check of one direction of a structure; asked: the demand of each limit
+    state, by the names of `STATES`.
+    """
+    factor = structure.gravity / (curve.e_star * confidence)
+    uplift = {
+        key: of.amplitude * factor * float(curve.multiplier[0]) / of.spectrum.pga
+        for key, of in asked.items()
+    }
+    reached: dict[str, Reached] = {}
+    unanswered = {}
+    for key, of in asked.items():
+        try:
+            reached[key] = _reached(curve, factor, STATES[key], of, uplift[key])
+        except UsageError as error:  # the spectrum ends before the period
+            unanswered[key.upper()] = str(error)
+    first = next(iter(asked.values()))
+    return CodeCheck(
+        structure.name,
+        " and ".join(dict.fromkeys(of.name for of in asked.values())),
+        first.amplitude,
+        factor,
+        Q * uplift["slv"] if "slv" in asked else None,
+        reached.get("slv"),
+        reached.get("slc"),
+        curve,
+        {key.upper(): of for key, of in asked.items()},
+        unanswered,
+        apart,
     )
 
 
@@ -318,21 +433,21 @@ def _reached(
     curve: CapacityCurve,
     factor: float,
     state: LimitState,
-    demand: AnySpectrum,
-    amplitude: float,
+    of: CodeDemand,
     uplift: float,
 ) -> Reached:
     d, alpha, broken = curve.limit(state.share)
     period = state.factor * math.pi * math.sqrt(d / (alpha * factor))
-    asked = demand.demand(period, state.damping)
+    asked = of.spectrum.demand(period, state.damping)
     return Reached(
         state,
         d,
         alpha * factor,
         period,
         asked,
-        max(uplift, amplitude * d / asked),
+        max(uplift, of.amplitude * d / asked),
         broken,
+        of,
     )
 
 

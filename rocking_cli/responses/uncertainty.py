@@ -23,8 +23,10 @@ from ..showing import Shown
 from ..structures.draws import DRAWS, draws
 from ..structures.given import Structure, structure_from
 from ..structures.parameters import RockingParameters
-from .shares import ShareOfDraws, first_order_indices
+from .shares import ShareOfDraws, first_order_indices, index_interval
 
+# the key that explains most, its index of first order, and the interval of the index
+_OF_THE_KEY = ("key_1", "index_1", "index_low", "index_high")
 QUANTILES = {"q05": 0.05, "q50": 0.5, "q95": 0.95}  # by their names in columns
 _UNDER_A_RECORD = 64  # draws whose first overturning is searched under a record
 
@@ -51,6 +53,8 @@ class DrawnVerdict(Shown):
         draws whose first overturning was searched
     indices
         index of first order of each key [-]
+    interval
+        95 % interval of the index of `key` [-]
 
     Examples
     --------
@@ -72,6 +76,8 @@ class DrawnVerdict(Shown):
     # index of first order of each key [-]: of the first overturning amplitude, or
     # without a search of the outcome
     indices: dict[str, float]
+    # 95 % interval of the index of `key` [-]
+    interval: tuple[float, float]
 
     @property
     def key(self) -> str | None:
@@ -92,7 +98,11 @@ class DrawnVerdict(Shown):
             self.share.draws,
             *(x if np.isfinite(x) else None for x in self.quantiles),
             key,
-            None if key is None else self.indices[key],
+            *(
+                (None, None, None)
+                if key is None
+                else (self.indices[key], *self.interval)
+            ),
         )
         return dict(zip(drawn_columns(bool(self.quantiles)), values, strict=True))
 
@@ -103,7 +113,7 @@ def drawn_columns(searched: bool) -> tuple[str, ...]:
     """
     quantiles = tuple(f"first_overturning_a_{name}" for name in QUANTILES)
     shares = ("share_falls", "share_low", "share_high", "draws")
-    return (*shares, *(quantiles if searched else ()), "key_1", "index_1")
+    return (*shares, *(quantiles if searched else ()), *_OF_THE_KEY)
 
 
 def drawn_verdict(
@@ -175,7 +185,8 @@ def drawn_verdict(
     if a_max is not None:
         some = bodies if len(motion.segments) <= LONG else bodies[:_UNDER_A_RECORD]
         result, quantiles = _first_and_quantiles(some, motion, shaking, a_max)
-    indices = first_order_indices(keys[: result.size], result)
+    keys = keys[: result.size]
+    indices = first_order_indices(keys, result)
     return DrawnVerdict(
         share=share,
         left_out=len(every) - len(made),
@@ -184,6 +195,7 @@ def drawn_verdict(
         quantiles=quantiles,
         searched=result.size if quantiles else 0,
         indices=dict(zip(made[0].values, indices.tolist(), strict=True)),
+        interval=index_interval(keys[:, indices.argmax()], result),
     )
 
 

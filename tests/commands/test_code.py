@@ -45,7 +45,8 @@ def test_the_columns_of_the_code_stand_after_those_of_the_dynamics(rocking):
     assert row["code_linear_ratio"] == pytest.approx(0.5 / 0.3)
     assert row["code_slv"] < row["theta_04_a"] < row["first_overturning_a"]
     said = done.stderr.splitlines()
-    assert "code: Circolare 7/2019 C8.7.1, FC = 1, spectrum of sine, 1 cycle" in said
+    code = "code: Circolare 7/2019 C8.7.1, FC = 1, spectrum of"
+    assert f"{code} one cycle of a sine: 0.3 g" in said
     assert (
         "the q = 2 method accepts 0.500 g, the body overturns at"
         f" {row['first_overturning_a'] / 9.81:.3f} g" in said
@@ -83,13 +84,36 @@ def test_the_spectrum_of_a_site_needs_no_motion(rocking, site):
     assert demanded["code_slv"] == pytest.approx(column["code_slv"], rel=1e-12)
 
 
+def test_a_spectrum_is_that_of_one_limit_state(rocking, refused, site):
+    call = ("check", "block:0.5x2", "block:0.6x14,name=Tall", "--code", "ntc2018")
+    done = rocking(*call, "--spectrum", f"slv={site},slc={site}", "--json")
+    body, tall = done.records
+    assert body["code_slv_ratio"] > 0.0 < body["code_slc_ratio"]
+    # the spectrum ends at 5 s, before the period of SLC of the tall body
+    assert (tall["code_slc"], tall["t_slc"], done.returncode) == (None, None, 4)
+    assert tall["code_slv_ratio"] > 0.0
+    assert "Tall: SLC is not known: --spectrum site: found periods up to 5 s" in (
+        done.stderr
+    )
+    alone = rocking(*call, "--spectrum", site, "--json")
+    assert [row["code_slc"] for row in alone.records] == [None, None]
+    assert [row["code_slv"] for row in alone.records] == [
+        body["code_slv"],
+        tall["code_slv"],
+    ]
+    assert "SLC is not checked" in alone.stderr
+    assert "expected FILE, or slv=FILE,slc=FILE" in refused(
+        2, *call, "--spectrum", f"slv={site},slv={site}"
+    )
+
+
 def test_a_floor_is_told_and_a_figure_is_drawn(rocking, site, tmp_path):
     floor = ("--floor", "T=0.4,xi=0.05,gamma_psi=1.3", "--fc", "1.35")
     done = rocking(
         *BLOCK, "--code", "ntc2018", "--spectrum", site, *floor, "-o", "curve.svg"
     )
     assert done.returncode == 0, done.stderr
-    assert "FC = 1.35, spectrum of site on a floor" in done.stderr
+    assert "FC = 1.35, spectrum of SLV of site: 0.2 g on a floor" in done.stderr
     assert (tmp_path / "curve.svg").stat().st_size > 5000
 
 

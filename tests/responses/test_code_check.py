@@ -2,11 +2,13 @@
 another program computed.
 """
 
+import numpy as np
 import pytest
 from support.documents import built
 
 from rocking_cli import (
     FloorMode,
+    SpectrumFile,
     UsageError,
     check,
     code_check,
@@ -120,11 +122,10 @@ def test_a_floor_compares_with_its_own_peak_and_spectrum():
         code_check(BODY, *motion),
         code_check(BODY, *motion, floor=[FloorMode(0.3, 0.05, 1.4)]),
     )
-    assert isinstance(floor.spectrum, FloorSpectrum)
-    assert floor.linear == pytest.approx(
-        ground.linear * ground.spectrum.pga / floor.spectrum.pga
-    )
-    asked = floor.spectrum.demand(floor.slv.period, 0.08)
+    on_floor, below = floor.slv.of.spectrum, ground.slv.of.spectrum
+    assert isinstance(on_floor, FloorSpectrum)
+    assert floor.linear == pytest.approx(ground.linear * below.pga / on_floor.pga)
+    asked = on_floor.demand(floor.slv.period, 0.08)
     assert floor.slv.amplitude == pytest.approx(
         max(0.3 * G * 0.1 / asked, 0.5 * floor.linear), rel=1e-6
     )
@@ -158,6 +159,47 @@ def test_a_sentence_where_the_code_promises_more():
         "the SLV method accepts 0.537 g, theta exceeds 0.4 alpha at 0.520 g",
         "the SLC method accepts 0.765 g, the body overturns at 0.700 g",
     ]
+
+
+PERIODS = np.array([0.0, 0.15, 0.5, 2.0, 4.0])
+SITE = SpectrumFile("life", PERIODS, G * np.array([0.3, 0.8, 0.8, 0.2, 0.05]))
+
+
+def test_each_limit_state_has_its_own_spectrum():
+    """SLV and SLC have other return periods: 1.4 times the spectrum of SLV at SLC takes
+    as many times the amplitude from it, and leaves SLV as it is.
+    """
+    stronger = SpectrumFile("collapse", PERIODS, 1.4 * SITE.values)
+    one, other, alone = (
+        code_check(BODY, site=SITE, site_slc=SITE),
+        code_check(BODY, site=SITE, site_slc=stronger),
+        code_check(BODY, site=SITE),
+    )
+    assert other.ratios()["code_slv"] == one.ratios()["code_slv"]
+    assert other.slc.ratio == pytest.approx(one.slc.ratio / 1.4, rel=1e-12)
+    assert (other.demand, other.demand_a) == ("life and collapse", SITE.pga)
+    assert (alone.slc, alone.row()["code_slc"]) == (None, None)
+    assert alone.accepted() == {
+        key: a for key, a in one.accepted().items() if key != "code_slc"
+    }
+    collapse = code_check(BODY, site_slc=stronger)
+    assert collapse.ratios() == {"code_slc": other.slc.ratio}
+
+
+@pytest.mark.parametrize(("points", "known"), [(5, {"SLV"}), (4, set())])
+def test_a_spectrum_that_ends_before_a_period_gives_no_answer(points, known):
+    """The secant periods of the slender body are 1.3759 and 1.9164 s, as of a height
+    of 2 m, times 2.5.
+    """
+    body = built("kind: block\nwidth: 0.1\nheight: 12.5")
+    site = SpectrumFile("s", PERIODS[:points], SITE.values[:points])
+    found = code_check(body, site=site, site_slc=site)
+    assert set(found.reached()) == known
+    assert {state for state in ("SLV", "SLC") if found.verified(state)} <= known
+    assert set(found.unanswered) == {"SLV", "SLC"} - known
+    assert "found periods up to" in found.unanswered["SLC"]
+    assert found.sentence("code_slc").startswith("SLC: not known (")
+    assert found.linear is not None  # its demand is the peak
 
 
 def test_a_check_needs_a_demand():

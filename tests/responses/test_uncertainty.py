@@ -18,7 +18,11 @@ from rocking_cli.envelopes.together import (
 )
 from rocking_cli.motions.biaxial import with_vertical
 from rocking_cli.motions.given import demand_of
-from rocking_cli.responses.shares import ShareOfDraws, first_order_indices
+from rocking_cli.responses.shares import (
+    ShareOfDraws,
+    first_order_indices,
+    index_interval,
+)
 from rocking_cli.structures.draws import draws, sobol
 
 
@@ -47,6 +51,22 @@ def test_indices_of_the_function_of_ishigami():
         [0.31390519, 0.44241114, 0.0], abs=0.03
     )
     assert not first_order_indices(x, 0.0 * y).any()
+
+
+@pytest.mark.parametrize(("n", "width"), [(16, 0.3), (64, 0.1), (1024, 0.02)])
+def test_the_interval_of_an_index_holds_it_and_few_draws_explain_nothing_for_sure(
+    n, width
+):
+    """y = 2 a + b of uniform keys: the index of a is 4/5. With 16 bins of one draw each
+    16 draws explained all of it.
+    """
+    keys = sobol(2, n, 0)
+    y = 2.0 * keys[:, 0] + keys[:, 1]
+    index = first_order_indices(keys, y)[0]
+    low, high = index_interval(keys[:, 0], y)
+    assert low < 0.8 < high
+    assert low < index < 0.97
+    assert width < high - low < 8.0 * width
 
 
 def drawn(text, n=1024):

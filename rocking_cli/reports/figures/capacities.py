@@ -278,18 +278,18 @@ def capacity_curve(axes: Axes, check: CodeCheck) -> None:
     d = _MM * check.curve.displacement
     a = check.curve.multiplier * check.factor / DEFAULT_GRAVITY
     axes.plot(d, a, color="k", lw=1.8, label="capacity")
-    states = (("SLV", check.slv), ("SLC", check.slc))
+    states = check.reached()
     asked = [
         (_MM * at.demand, (2.0 * np.pi / at.period) ** 2 * at.demand / DEFAULT_GRAVITY)
-        for _, at in states
+        for at in states.values()
     ]
-    spectra = [_spectrum(check, at) for _, at in states]
-    right = 1.1 * max(d.max(), *(x for x, _ in asked))
-    top = 1.1 * max(a.max(), *(y for _, y in asked))
+    spectra = [_spectrum(at) for at in states.values()]
+    right = 1.1 * max(d.max(), *(x for x, _ in asked), 0.0)
+    top = 1.1 * max(a.max(), *(y for _, y in asked), 0.0)
     seen = [s_a[s_d <= right].max(initial=0.0) for s_d, s_a in spectra]
     # the plateau of a spectrum far above the capacity is not shown
-    top = max(top, min(1.1 * max(seen), 3.0 * top))
-    for i, ((name, at), mark) in enumerate(zip(states, asked, strict=True)):
+    top = max(top, min(1.1 * max(seen, default=0.0), 3.0 * top))
+    for i, ((name, at), mark) in enumerate(zip(states.items(), asked, strict=True)):
         x, y, colour = _MM * at.displacement, at.acceleration / DEFAULT_GRAVITY, f"C{i}"
         damping = f"demand, {100.0 * at.state.damping:g} %"
         axes.plot(*spectra[i], lw=1.1, alpha=0.7, label=damping, color=colour)
@@ -308,27 +308,36 @@ def capacity_curve(axes: Axes, check: CodeCheck) -> None:
         )
         axes.plot([x, x], [0.0, y], lw=0.7, ls=":", color=colour)
     axes.set(xlim=(0.0, right), ylim=(0.0, top), xlabel="$d$ [mm]", ylabel="$a$ [g]")
-    demand = f"{check.demand_a / DEFAULT_GRAVITY:.3g} g"
     verdict = ", ".join(map(check.sentence, ("code_slv", "code_slc")))
-    shaking = motion_in_words(check.demand)
-    axes.set_title(
-        literal(f"{check.structure}, {shaking}: {demand}\n{verdict}"),
-        fontsize="small",
-    )
+    title = f"{check.structure}, NTC 2018, {code_demand_in_words([check])}\n{verdict}"
+    axes.set_title(literal(title), fontsize="small")
     axes.legend(fontsize="x-small", loc="upper left", bbox_to_anchor=(1.01, 1.0))
 
 
-def _spectrum(check: CodeCheck, at: Reached) -> tuple[np.ndarray, np.ndarray]:
-    """Return (displacements [mm], accelerations [g]) of the demand at the damping of a
-    limit state, for periods to twice the longest secant period, or as far as the
-    spectrum goes.
+def code_demand_in_words(checks: Sequence[CodeCheck]) -> str:
+    """Return the demands of checks by a code in words, such as `SLV of site: 0.335 g`;
+    without the limit state if the demand of both is one.
     """
-    longest = max(check.slv.period, check.slc.period)
-    periods = np.geomspace(0.03, 2.0, 300) * longest
+    found: dict[str, dict[str, None]] = {}
+    for check in checks:
+        for state, of in check.asked.items():
+            shaking = motion_in_words(of.name)
+            text = f"{shaking}: {of.amplitude / DEFAULT_GRAVITY:.3g} g"
+            found.setdefault(text, {})[state] = None
+    if all(len(states) > 1 for states in found.values()):
+        return ", ".join(found)
+    return ", ".join(f"{' and '.join(s)} of {text}" for text, s in found.items())
+
+
+def _spectrum(at: Reached) -> tuple[np.ndarray, np.ndarray]:
+    """Return (displacements [mm], accelerations [g]) of the demand of a limit state at
+    its damping, for periods to twice the secant one, or as far as the spectrum goes.
+    """
+    periods = np.geomspace(0.03, 2.0, 300) * at.period
     try:
-        demand = check.spectrum.acceleration(periods, at.state.damping)
+        demand = at.of.spectrum.acceleration(periods, at.state.damping)
     except UsageError:  # a spectrum of a file ends before
-        periods = np.geomspace(0.03, 1.0, 300) * longest
-        demand = check.spectrum.acceleration(periods, at.state.damping)
+        periods = np.geomspace(0.03, 1.0, 300) * at.period
+        demand = at.of.spectrum.acceleration(periods, at.state.damping)
     displacement = _MM * demand * (periods / (2.0 * np.pi)) ** 2
     return displacement, demand / DEFAULT_GRAVITY
