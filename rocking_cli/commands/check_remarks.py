@@ -155,8 +155,8 @@ def worst_at_an_end(
         )
     if slid := [v.structure for v in verdicts if v.slide is not None]:
         yield (
-            f"slide furthest at worst_f_g, and further under slower motions (by 1/f2):"
-            f" {', '.join(slid)}"
+            "slide furthest at the lowest frequency of the range, and further under"
+            f" slower motions (by 1/f2): {', '.join(slid)}"
         )
     of = {v.structure: v for v in verdicts if v.slide is None}
     for end, other in (("lower", "slower"), ("upper", "faster")):
@@ -256,10 +256,10 @@ def _several_at_the_end(
             " stand here"
         )
     unmoved = sum(v.outcome == Outcome.NO_UPLIFT for _, v, _ in found)
-    lifts = "Each lifts at uplift_a whatever the frequency"
+    lifts = "Each lifts at one amplitude whatever the frequency"
     if unmoved:
-        lifts += f": the demand lifts {unmoved} of these rows at no frequency"
-    return f"{where}: {len(found)} of {rows} rows (worst_f_g_end); {said}. {lifts}"
+        lifts += f": the demand lifts {unmoved} of them at no frequency"
+    return f"{where}: {len(found)} of {rows} structures; {said}. {lifts}"
 
 
 def narrow_intervals(shakes: Iterable[tuple[Motion, Grid]]) -> str:

@@ -162,6 +162,7 @@ def _asked(
         by_capacity=wanted.sort is not None,
         draws=None if drawn.draws is None else (drawn.draws, drawn.seed),
         fragility=demands.azimuths is None,
+        ends=tuple(g for _, g in demands.shakes) if demands.up_to is not None else (),
         code=None if by_code is None else by_code.given,
         spectra=() if by_code is None else tuple(by_code.files.values()),
     )

@@ -112,6 +112,8 @@ class Asked:
     by_capacity: bool = False  # the least capacity first
     draws: tuple[int, int] | None = None  # number and seed, of numbers with spreads
     fragility: bool = True  # curves of records
+    # the demands at both ends of a range of frequencies, none without a range
+    ends: tuple[Grid, ...] = ()
     # arguments of `code_check`, None without a check by a code
     code: Mapping[str, Any] | None = None
     spectra: Sequence[str] = ()  # the files of the spectra of the code
@@ -153,6 +155,11 @@ def page(
     drawn = [
         line for one in structures if one["draws"] for line in one["draws"]["lines"]
     ]
+    keys = dict.fromkeys(key for s in subjects for key in s.structure.labels)
+    labels = {
+        s.structure.name: {key: str(s.structure.labels.get(key, "")) for key in keys}
+        for s in subjects
+    }
     means = "Of the means, " * bool(drawn)
     return _template().render(
         title=asked.title or f"Rocking of {_some(list(cases))}",
@@ -160,9 +167,9 @@ def page(
         opposite=opposite,
         remarks=remarks,
         lead=f"{means}{tally(verdicts)}, {shaking}." if verdicts else "",
-        code=_of_code(checks, asked.code or {}) if checks else None,
-        overview=_overview(cases) if summary and verdicts else [],
-        verdicts=_details(verdicts) if verdicts else [],
+        code=_of_code(checks, asked.code or {}, labels) if checks else None,
+        overview=_overview(cases, labels) if summary and verdicts else [],
+        verdicts=_details(verdicts, labels) if verdicts else [],
         capacities=(
             image(lambda figure: capacities(figure, verdicts, True))
             if verdicts
@@ -211,24 +218,45 @@ def _section(
     one: tuple[Subject, Cases],
 ) -> dict[str, Any]:
     """Return the template's values for one structure."""
-    return section(*one, recordings, workers, asked.draws, asked.fragility)
+    return section(*one, recordings, workers, asked.draws, asked.fragility, asked.ends)
 
 
-def _overview(cases: Mapping[str, Cases]) -> list[dict[str, Any]]:
-    """Return the rows of the first page, one for each structure."""
+def _overview(
+    cases: Mapping[str, Cases], labels: Mapping[str, Mapping[str, str]]
+) -> list[dict[str, Any]]:
+    """Return the rows of the first page, one for each structure; labels: of each
+    structure.
+    """
     rows = []
+    several = len({v.motion for mine in cases.values() for v in mine.verdicts}) > 1
     for mine in cases.values():
         worst = worst_of(mine.verdicts)
         cells = dict(zip(OVERVIEW, overview_row(mine.verdicts), strict=True))
+        if not several:
+            del cells["worst motion"]
+        cells = _labelled(cells, labels)
         rows.append(_verdict_row(cells, worst))
     return rows
 
 
+def _labelled(
+    cells: Mapping[str, str | float | None], labels: Mapping[str, Mapping[str, str]]
+) -> dict[str, str | float | None]:
+    """Return a row with the labels of its structure behind the name."""
+    name = str(cells["structure"])
+    own = {
+        f"label {key}" if key in cells else key: text
+        for key, text in labels[name].items()
+    }
+    return {"structure": name, **own, **cells}
+
+
 def _details(
-    verdicts: Sequence[Verdict],
+    verdicts: Sequence[Verdict], labels: Mapping[str, Mapping[str, str]]
 ) -> list[dict[str, Any]]:
-    """Return the rows of the table of verdicts."""
+    """Return the rows of the table of verdicts; labels: of each structure."""
     rows = []
+    several = len({v.motion for v in verdicts}) > 1
     for v in verdicts:
         cells = dict(zip(HEADS, attrgetter(*HEADS.values())(v), strict=True))
         cells |= {
@@ -236,11 +264,18 @@ def _details(
             for key, x in v.ranged.items()
             if key in RANGED
         }
+        if not several:
+            del cells["motion"]
+        cells = _labelled(cells, labels)
         rows.append(_verdict_row(cells, v))
     return rows
 
 
-def _of_code(checks: Sequence[CodeVerdict], code: Mapping[str, Any]) -> dict[str, Any]:
+def _of_code(
+    checks: Sequence[CodeVerdict],
+    code: Mapping[str, Any],
+    labels: Mapping[str, Mapping[str, str]],
+) -> dict[str, Any]:
     """Return what the page says first of the check by a code: its demand, its verdict
     and a row for each check, red if a limit state is not verified.
     """
@@ -258,7 +293,7 @@ def _of_code(checks: Sequence[CodeVerdict], code: Mapping[str, Any]) -> dict[str
                 said = one.check.sentence(key).removeprefix(f"{head}: ")
                 cells[f"{head}: verdict"] = said.partition(" (")[0]
                 cells[f"{head}: accepted over demand"] = ratios.get(key)
-        rows.append(_row(cells, falls=not one.verified))
+        rows.append(_row(_labelled(cells, labels), falls=not one.verified))
     return {
         "lead": f"{'; '.join(verified_in_words(found))}. Demand: {demand}{floor},"
         f" confidence factor {code.get('confidence', 1.0):g}.",

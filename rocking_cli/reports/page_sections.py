@@ -135,10 +135,11 @@ def section(
     workers: int | None,
     draws: tuple[int, int] | None = None,
     fragility: bool = True,
+    ends: Sequence[Grid] = (),
 ) -> dict[str, Any]:
     """Return the template's values for one structure and its verdicts; draws: their
     number and seed, of a structure whose numbers have spreads; fragility: True for
-    curves under the records.
+    curves under the records; ends: the demands at both ends of a range of frequencies.
     """
     structure, mine = subject.structure, cases.verdicts
     # A record, and a motion of a floor, have no map over frequencies.
@@ -152,7 +153,7 @@ def section(
         codes = difference(outcomes[:, 0], outcomes[:, 1])
     else:
         judged = "cells of the map"
-        drawn, codes = _map(structure, *pulse, mine, workers)
+        drawn, codes = _map(structure, *pulse, ends, mine, workers)
     linear = all(v.model == LINEAR.model for v in mine)
     kind = structure.structure
     if structure.eta_source:
@@ -223,56 +224,73 @@ def _map(
     structure: RockingParameters,
     motion: Motion,
     demand: Grid,
+    ends: Sequence[Grid],
     mine: Sequence[Verdict],
     workers: int | None,
 ) -> tuple[str, np.ndarray]:
     """Return (the map around the demand as a data URL, the `Difference` of each cell,
     empty for the linear equation).
     """
-    (omega,) = demand.frequency.values / (
-        1.0 if demand.frequency.name == "omega_g" else 1.0 / structure.p
+    omega, *asked = (
+        float(grid.cell(structure)[1]) * structure.p for grid in (demand, *ends)
     )
     amplitude = mine[0].demand_a
+    # the map covers the frequencies that are asked
+    low, high = min(asked, default=0.5 * omega), max(asked, default=2.0 * omega)
+    omegas = np.geomspace(0.5 * low, 2.0 * high, SIDE)
     method = governing_method(structure, dimensionless=demand.dimensionless)
     found = spectrum(
         [structure],
         motion,
-        _grid_around(omega, amplitude, mine),
+        _grid_over(omegas, amplitude, mine),
         method=method,
         quantities=() if method.exact else ("linear",),
         check=0,
         workers=workers,
     )
-    drawn = image(lambda figure: _draw_map(figure, found, omega, amplitude))
+    drawn = image(lambda figure: _draw_map(figure, found, omega, asked, amplitude))
     return drawn, found.quantities.get("difference", np.zeros(0))
 
 
-def _grid_around(omega: float, amplitude: float, mine: Sequence[Verdict]) -> Grid:
-    """Return the grid of a map: frequencies from a quarter to four times omega [rad/s],
-    amplitudes up to twice the demand or the first overturning, at most eight times the
-    demand [m/s2].
+def _grid_over(omegas: np.ndarray, amplitude: float, mine: Sequence[Verdict]) -> Grid:
+    """Return the grid of a map: frequencies [rad/s], and amplitudes up to
+    twice the demand or the first overturning, at most eight times the demand [m/s2].
     """
     found = [v.first_overturning_a for v in mine if v.first_overturning_a is not None]
     most = min(2.0 * max([amplitude, *found]), 8.0 * amplitude)
     return Grid(
         Axis("a_g", most * np.arange(1, SIDE + 1) / SIDE),
-        Axis("omega_g", omega * np.geomspace(0.25, 4.0, SIDE)),
+        Axis("omega_g", omegas),
     )
 
 
-def _draw_map(figure: Figure, found: Spectrum, omega: float, amplitude: float) -> None:
-    """Draw the map of a spectrum, and a star at the demand [rad/s, m/s2]."""
+def _draw_map(
+    figure: Figure,
+    found: Spectrum,
+    omega: float,
+    ends: Sequence[float],
+    amplitude: float,
+) -> None:
+    """Draw the map of a spectrum, and a star at the demand [rad/s, m/s2]; of a range
+    between two ends a line, and the star at the least capacity.
+    """
     figure.set_size_inches(*_SIZE)
     axes, cells = figure.add_subplot(), memory_file(found)
     assert cells is not None
     entries = outcome_map(axes, cells, 0, FIGURE_UNITS)
-    x = omega / FIGURE_UNITS.column("omega_g")[2]
+    unit = FIGURE_UNITS.column("omega_g")[2]
+    x = omega / unit
     y = amplitude / FIGURE_UNITS.column("a_g")[2]
+    name = "demand"
+    if ends:
+        between = np.array(ends) / unit
+        entries += axes.plot(between, [y, y], color="k", lw=1.6, label=name)
+        name = "least capacity"
     entries += axes.plot(
-        x, y, ls="", marker="*", ms=13, mfc="#F0E442", mec="k", label="demand"
+        x, y, ls="", marker="*", ms=13, mfc="#F0E442", mec="k", label=name
     )
     axes.set_xscale("log")
-    ticks = [x * 2.0**i for i in range(-2, 3)]
+    ticks = np.geomspace(*axes.get_xlim(), 5)
     axes.set_xticks(ticks, [f"{tick:.3g}" for tick in ticks])
     axes.set_xticks([], minor=True)
     axes.set_title("")

@@ -806,12 +806,13 @@ def test_the_worst_frequency_at_an_end_of_the_range_is_told(rocking, more):
     other = STATED.replace("p=2.1", "p=2.15").replace("stated", "other")
     both = rocking("check", STATED, other, *call[2:], "--f-g", "0.8:1.2").stderr
     line = next(line for line in both.splitlines() if "worst at" in line)
-    where = "worst at the lower end of the range, 0.8 Hz: 2 of 2 rows (worst_f_g_end)"
+    where = "worst at the lower end of the range, 0.8 Hz: 2 of 2 structures"
     assert line.startswith(
         f"{where}; slower motions are worse: they overturn stated at "
     )
     assert line.endswith(
-        " Hz, which stands in this range. Each lifts at uplift_a whatever the frequency"
+        " Hz, which stands in this range. Each lifts at one amplitude whatever the"
+        " frequency"
     )
     inside = rocking(
         "check", STATED, "--a-g", "0.5g", "--f-g", "0.2:1.8", "--verdict-only", "--json"

@@ -25,6 +25,7 @@ from rocking_cli import (
     parse_grid,
     pulse,
     sine,
+    spectrum,
 )
 from rocking_cli.fragility.exposure import Exposure
 from rocking_cli.fragility.measures import members_of, shaken_upwards
@@ -571,5 +572,31 @@ def test_the_first_page_says_the_share_that_falls_and_the_key_as_check_does(
     said = [x for x in rocking("check", *call).stderr.splitlines() if "draws" in x]
     assert len(said) == 1
     assert "of 16 draws" in said[0]
-    assert "% of the first overturning" in said[0]
+    assert ") of the first overturning" in said[0]
     assert f"<p>{said[0]}.</p>" in shown.partition('id="overview"')[0]
+
+
+@pytest.mark.usefixtures("undrawn")
+def test_labels_stand_beside_the_names_and_the_map_covers_the_range(
+    rocking, tmp_path, monkeypatch
+):
+    (tmp_path / "hall.csv").write_text(
+        "kind,name,width,height,room\nblock,Athena,0.4 m,1.8 m,R-3\n"
+    )
+    grids = []
+
+    def swept(structures, motion, grid, **more):
+        grids.append(grid)
+        return spectrum(structures, motion, grid, **more)
+
+    monkeypatch.setattr("rocking_cli.reports.page_sections.spectrum", swept)
+    call = ("hall.csv", "--a-g", "0.2g", "--f-g", "0.6:5", "-o", "r.html", "--summary")
+    assert rocking("report", *call).returncode == 0
+    page = Page((tmp_path / "r.html").read_text(encoding="utf-8"))
+    for heads, row in (page.rows[:2], page.rows[2:4]):
+        assert dict(zip(heads, row, strict=True))["room"] == "R-3"
+    (grid,) = grids
+    hertz = grid.frequency.values / math.tau
+    assert (hertz[0], hertz[-1]) == pytest.approx((0.3, 10.0), rel=1e-9)
+    said = " ".join(cell for row in page.rows for cell in row)
+    assert "sine, 1 cycle" not in said  # one motion, which stands above the table
