@@ -246,7 +246,7 @@ def _labelled(
     name = str(cells["structure"])
     own = {
         f"label {key}" if key in cells else key: text
-        for key, text in labels[name].items()
+        for key, text in labels.get(name, {}).items()
     }
     return {"structure": name, **own, **cells}
 

@@ -355,7 +355,7 @@ def test_a_first_page_in_words_comes_before_the_details(rocking, tmp_path):
     assert [row for row in rows if row[0] == "two.yaml"] == [
         ["two.yaml", hashlib.sha256(text.encode()).hexdigest()]
     ]
-    assert head == list(OVERVIEW)
+    assert head == [one for one in OVERVIEW if one != "worst motion"]
     assert [row[0] for row in rows[:2]] == ["S1", "S0"]
     assert [row[1].split(":")[0] for row in rows[:2]] == ["Falls", "Stands"]
     assert (
