@@ -31,6 +31,7 @@ from .scene import PulseScene, Scene, Unit
 CellPlace = tuple[int, int, int]  # (structure, row, column) of a cell
 
 _SEED = 2
+_REFERENCE = 1e-12  # of theta/alpha: what the reference itself may be off
 _LEAST = 256  # draws at the least
 _MOST = 100_000  # draws at the most, where few units of a sweep are left
 # draws for each cell that is wanted: of many scenes half the cells lift, and of one in
@@ -224,9 +225,9 @@ class Verification:
             "differing": sum(
                 one.overturned != other.overturned for one, other in judged
             ),
-            # a condition of NaN bounds nothing
+            # A condition of NaN bounds nothing.
             "beyond_tolerance": sum(
-                not far <= tolerance * self.seen[place].condition
+                not far <= max(_REFERENCE, tolerance * self.seen[place].condition)
                 for place, far in apart.items()
             ),
             "check_time": self.seconds,
