@@ -107,6 +107,10 @@ class Document:
         number = f", document {self.index + 1}" * (self.index > 0)
         return f"Document({self.source}{number}: {', '.join(self.values)})"
 
+    def __getstate__(self) -> dict[str, Any]:
+        """Pickle without the table of keys, which reading the document sets again."""
+        return vars(self) | {"table": {}}
+
     def has(self, key: str) -> bool:
         """True if the key has a value that is not null.
 
