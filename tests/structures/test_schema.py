@@ -37,6 +37,10 @@ def test_the_values_of_a_key_have_its_limits_and_words(definitions):
     ties = wall["ties"]["items"]["properties"]
     assert ties["side"]["enum"] == ["left", "right", "both", None]
     assert (arch["voussoirs"]["minimum"], arch["voussoirs"]["maximum"]) == (4, 200)
+    eta = definitions["parameters"]["properties"]["eta"]
+    assert eta.keys() & {"minimum", "maximum", "exclusiveMinimum"} == {
+        "exclusiveMinimum"
+    }
     assert wall["length"]["description"] == keys_of("wall").all["length"].doc
 
 

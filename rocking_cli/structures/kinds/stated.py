@@ -38,7 +38,8 @@ _NUMBERS = {
         where=P_RANGE,
     ),
     "alpha": Key("angle", "critical angle", above=0.0, below=math.pi),
-    "eta": Key("number", "coefficient of restitution, 0 to 1", least=0.0, most=1.0),
+    # of a one-sided body up to 0, of one side of two it may exceed 1
+    "eta": Key("number", "coefficient of restitution", above=-1.0),
 }
 _RATIOS = {
     "lambda": positive("number", "static uplift acceleration over g"),
@@ -177,24 +178,16 @@ def _numbers(
     """
     p, alpha = document.quantity("p"), document.quantity("alpha")
     if one_sided:
-        eta = document.quantity(
-            "eta", above=-1.0, least=-1.0, most=0.0, where=ONE_SIDED_RESTITUTION
-        )
+        eta = document.quantity("eta", most=0.0, where=ONE_SIDED_RESTITUTION)
     else:
-        eta = document.quantity("eta", most=most)
-    ratios = {
-        key: document.quantity(key)
-        for key in ("lambda", "a_scale")
-        if document.has(key)
-    }
-    if not ratios:
+        eta = document.quantity("eta", least=0.0, most=most)
+    uplift, a_scale = map(document.optional, ("lambda", "a_scale"))
+    if uplift is None and a_scale is None:
         raise document.fault(
             None,
             "neither lambda nor a_scale",
             "lambda (uplift acceleration over g), a_scale (alpha/lambda), or both",
         )
-    uplift = ratios.get("lambda", alpha / ratios.get("a_scale", 1.0))
-    a_scale = ratios.get("a_scale", alpha / ratios.get("lambda", 1.0))
     arm = None
     if document.has("arm"):  # that of a point mass at most, since R p^2/g = m R^2/I
         most = gravity / p**2
@@ -207,8 +200,8 @@ def _numbers(
         "p": p,
         "alpha": alpha,
         "eta": eta,
-        "uplift": uplift,
-        "a_scale": a_scale,
+        "uplift": uplift or alpha / (a_scale or 1.0),
+        "a_scale": a_scale or alpha / (uplift or 1.0),
         "arm": arm,
     }
 
@@ -219,14 +212,13 @@ def _sides(document: Document, gravity: float) -> tuple[Side, Side]:
         "a list of two, one with side: left and one with side: right, each with p,"
         " alpha, eta, and lambda or a_scale"
     )
-    value = document.values["sides"]
-    if not isinstance(value.content, list) or len(value.content) != 2:
-        raise document.fault("sides", str(value), wanted)
+    parts = document.parts("sides", wanted)
     found: dict[str, Side] = {}
-    for child in value.content:
-        part = document.part("sides", child)
+    for part in parts if len(parts) == 2 else ():
         side = part.choice("side")
         found[side] = Side(side, **_numbers(part, gravity, most=math.inf))
+    if not found:
+        raise document.fault("sides", "a list", wanted)
     if len(found) < 2:
         raise document.fault("sides", f"the {next(iter(found))} side twice", wanted)
     return found["left"], found["right"]

@@ -16,6 +16,7 @@ from support.packages import installed
 from rocking_cli import DocumentError, StructureError, build_structure, parse_documents
 from rocking_cli.structures import KINDS, read_documents
 from rocking_cli.structures.kinds import GROUP, sketch_of
+from rocking_cli.structures.schema import schema_text
 
 
 @pytest.mark.parametrize(
@@ -112,6 +113,24 @@ def test_an_installed_package_adds_a_kind(install):
         built(
             "kind: tower\nstoreys: 100"
         )  # what the package finds wrong is told as it is
+
+
+def test_an_installed_kind_may_declare_its_keys(install):
+    keys = "Keys({'storeys': Key('whole', 'their number', least=1, most=99)})"
+    source = TOWER.replace(
+        'document.integer("storeys", 1, 99)', "document.integer('storeys')"
+    )
+    assert source != TOWER
+    imported = "from rocking_cli.documents.keys import Key, Keys\n"
+    install("tower", f"{imported}{source}\nKEYS = {keys}\n")
+    assert built("kind: tower\nstoreys: 7").details == {"storeys": 7}
+    with pytest.raises(DocumentError, match="found 100; expected a whole number from"):
+        built("kind: tower\nstoreys: 100")
+    with pytest.raises(DocumentError, match=r"f.yaml:2:1: unknown key 'width'; known"):
+        built("kind: tower\nwidth: 7")
+    found = json.loads(schema_text())["definitions"]["tower"]["properties"]
+    assert found["storeys"]["maximum"] == 99
+    assert found["storeys"]["description"] == "their number"
 
 
 def test_shared_keys_are_read_for_an_installed_kind_that_does_not_read_them(install):
