@@ -90,9 +90,9 @@ of the constant inward drive e, or has the energy to pass this barrier.
 Proof. A weaker drive pushes back less, so the energy over that barrier does not fall.
 Damped, nonlinear: only beyond the equilibrium under e. A body at theta = pi/2, or a
 collapsed linkage, has overturned. A linkage that locks before is followed up to there,
-and a body that comes there is lost if F + e G < 0 from there to the collapse, F and G
-those of Eq. 3.4 on the path by a coordinate that goes on: it moves outwards, and the
-force on it stays outwards.
+and a body that comes there is lost if int F + e G from there to any place before the
+collapse is below its energy v^2/2, or below 0 with damping or a varying weight; F and G
+are those of Eq. 3.4 on the path by a coordinate that goes on.
 Varying weight: beyond the equilibrium of the constant inward drive e/w_-, w_- the least
 weight to come, and moving outwards: there l < 0 and f >= w_- (-l - m e/w_-) >= 0. The
 bounds by energy are not used.

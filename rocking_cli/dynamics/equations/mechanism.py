@@ -280,13 +280,12 @@ class MechanismEquation(Equation):
         """
         table = self.table
         certain = y >= self.limit
-        self._require_lost(inward[certain])
+        self._require_lost(v[certain], inward[certain], steady)
         if self.damped or not steady:  # energy is lost, or the barrier moves
             return certain | (
                 (v > 0.0) & (y >= self._equilibrium(inward) * (1.0 + _MARGIN))
             )
-        known = inward <= self.table.strongest
-        maybe = np.flatnonzero(~certain & known & (v > 0.0))
+        maybe = np.flatnonzero(~certain & (v > 0.0))
         maybe = maybe[
             0.5 * v[maybe] ** 2 + table.value(table.work, y[maybe]) > self.barrier
         ]
@@ -297,25 +296,40 @@ class MechanismEquation(Equation):
                 table.value(c, top) - table.value(c, y)
                 for c in (table.work, table.thrust)
             ]
-            certain[maybe] = (y >= top) | (
+            later = self._rise_beyond(e)
+            certain[maybe] = ((y >= top) & (later <= 0.0)) | (
                 0.5 * v[maybe] ** 2
-                > (rise[0] + e * rise[1]) * (1.0 + _MARGIN) + _MARGIN
+                > (rise[0] + e * rise[1] + later) * (1.0 + _MARGIN) + _MARGIN
             )
         return certain
 
-    def _require_lost(self, inward: Array) -> None:
-        """Raise ArgumentError if an inward drive to come could bring a body back from
-        the limit. Where it is infinite the ground falls away: there no body stands.
+    def _rise_beyond(self, inward: Array) -> Array:
+        """The energy that a constant inward drive takes from a body between the limit,
+        where the links lock, and the collapse; 0 where the weight prevails. Where the
+        drive is infinite the ground falls away: there no body stands.
         """
-        strongest = float(inward[np.isfinite(inward)].max(initial=0.0))
-        if strongest > self.table.strongest:
+        work, thrust = self.table.beyond
+        e = np.where(np.isfinite(inward), inward, 0.0)
+        found: Array = (work[:, None] + e * thrust[:, None]).max(axis=0)
+        return found
+
+    def _require_lost(self, v: Array, inward: Array, steady: bool) -> None:
+        """Raise ArgumentError if an inward drive to come could bring a body back that
+        comes to the limit with the speed v.
+        """
+        if not inward.size:
+            return
+        rise = self._rise_beyond(inward)
+        lost = rise <= 0.0
+        if steady and not self.damped:
+            lost |= (v > 0.0) & (0.5 * v**2 > rise * (1.0 + _MARGIN) + _MARGIN)
+        if not lost.all():
             end = float(self.rotation(np.array([self.limit]))[0])
             raise ArgumentError(
                 "the nonlinear model does not hold: the body comes to the rotation of"
-                f" {end:.3g} alpha, where its links lock and no drive below"
-                f" {self.table.strongest:.3g} times that at uplift can bring it back;"
-                f" found one of {strongest:.3g} times; expected a weaker motion, or"
-                " another body in rotation_of"
+                f" {end:.3g} alpha, where its links lock, and a drive of"
+                f" {inward[~lost].max():.3g} times that at uplift may still bring it"
+                " back; expected a weaker motion, or another body in rotation_of"
             )
 
     def _equilibrium(self, e: Array) -> Array:

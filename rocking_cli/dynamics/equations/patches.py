@@ -3,7 +3,7 @@ the linkage to rounding. A patch is short against the distance to the linkage's 
 lock-up. It is then cut into narrow patches, on which a value needs a few terms only.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
@@ -26,6 +26,7 @@ _CLOSE = 1e-9
 _SETTLED = (
     1e-11  # of the whole path: after a Newton step so short nothing is left to do
 )
+_PLACES = 1024  # between the place where the links lock and the collapse
 _WIDEN = 2.0  # a patch's series is fitted on this times its width
 # A smaller Chebyshev coefficient is rounding: values are of order one, with errors of
 # 1e-14, or of 1e-15 over lambda where lambda is small.
@@ -41,14 +42,14 @@ class Patches:
     edges: Array  # ends of the patches, in y, (patches + 1,)
     centre: Array  # middle of each patch, in y, (patches,)
     half: Array  # half the width that was fitted, in y, (patches,)
+    # integrals of lift and of push over y from the last edge, where the links lock, to
+    # places up to the collapse, (2, places); 0 where they do not lock before
+    beyond: Array
     lift: Array  # coefficients of F/F0 [-], (terms, patches)
     push: Array  # coefficients of G/G0 [-], (terms, patches)
     turn: Array  # coefficients of phi/alpha [-], (terms, patches)
     work: Array  # coefficients of int lift dy from 0, (terms, patches)
     thrust: Array  # coefficients of int push dy from 0, (terms, patches)
-    # no inward drive up to this one, over that at uplift, brings a body back from the
-    # last edge; infinite where the structure has collapsed there
-    strongest: float = np.inf
 
     def of(self, y: Array) -> tuple[Array, Array]:
         """(index of the patch, argument of its series) for each displacement y."""
@@ -140,7 +141,7 @@ def tabulate(mechanism: Mechanism) -> Patches:
     lift, push, turn = (np.array([f[3][i] for f in fits]).T for i in range(3))
     work, thrust = (_integral(c, edges, centre, half) for c in (lift, push))
     functions = lift, push, turn, work, thrust
-    return _narrowed(Patches(edges, centre, half, *functions, path.strongest))
+    return _narrowed(Patches(edges, centre, half, path.beyond, *functions))
 
 
 def _narrowed(wide: Patches) -> Patches:
@@ -167,7 +168,7 @@ def _narrowed(wide: Patches) -> Patches:
     )
     rows[2:, 0, 0] -= at_rest  # 0 at rest to the last digit
     series = *rows[:2, : DEGREE + 1], *rows[2:, :_TERMS]
-    return replace(Patches(edges, centre, half, *series), strongest=wide.strongest)
+    return Patches(edges, centre, half, wide.beyond, *series)
 
 
 class _PatchPath:
@@ -187,7 +188,7 @@ class _PatchPath:
         self.noise = max(1.0, 0.1 * self.push0 / self.lift0)
         self.rate = stiffness / self.lift0  # dy/dphi over sqrt(M)
         # Rotations, and y at each of them: the integral by Gauss-Legendre quadrature.
-        end, self.strongest = self._collapse()
+        end, self.beyond = self._collapse()
         self.marks = np.linspace(0.0, end, 513)
         self.nodes, self.weights = np.polynomial.legendre.leggauss(20)
         self.sums = np.concatenate(
@@ -244,17 +245,15 @@ class _PatchPath:
             self.turned(phi) / self.alpha,
         ]
 
-    def _collapse(self) -> tuple[float, float]:
+    def _collapse(self) -> tuple[float, Array]:
         """(Coordinate at which the structure has collapsed, lies on its side or locks
-        [rad]; the largest inward drive that brings nothing back from there, over that
-        at uplift). There phi is at least 1.25 alpha. Raises ArgumentError.
+        [rad]; `Patches.beyond`). There phi is at least 1.25 alpha. Raises
+        ArgumentError.
         """
         at = np.linspace(0.0, self.most, 20001)[:-1]
         c, phi = self.mechanism.coefficients(at), self.turned(at)
         with np.errstate(all="ignore"):
             multiplier = np.asarray(c.lift / c.push)
-            # the drive of either sign against which V' alone still drives it outwards
-            withstood = -c.lift / np.abs(c.push) / multiplier[0]
         collapsed = multiplier < _COLLAPSED * multiplier[0]
         # lambda(phi) = V'/(g B) must fall and B stay positive, up to the collapse.
         goes_on = (
@@ -270,10 +269,14 @@ class _PatchPath:
                 " the unstable equilibrium and beyond it"
             )
         if collapsed[last + 1 :][:1].any() or phi[last] > 0.5 * np.pi - 2.0 * at[1]:
-            return float(at[last]), np.inf
-        # The weight drives it on from here to the collapse, or as far as it is known.
-        until = int(np.argmax(np.append(collapsed[last:], True)))
-        return float(at[last]), float(withstood[last : last + until].min())
+            return float(at[last]), np.zeros((2, 1))
+        # from here to the collapse, or as far as the path is known
+        until = last + int(np.argmax(np.append(collapsed[last:-1], True)))
+        forces = self.rate * np.stack([c.lift / self.lift0, c.push / self.push0])
+        steps = 0.5 * at[1] * (forces[:, last:until] + forces[:, last + 1 : until + 1])
+        beyond = np.pad(np.cumsum(steps, axis=1), ((0, 0), (1, 0)))
+        few = np.linspace(0, beyond.shape[1] - 1, _PLACES).astype(np.int64)
+        return float(at[last]), beyond[:, few]
 
 
 def _fit(

@@ -239,7 +239,7 @@ class Run:
         if fallen.size:
             # raises if a drive could bring them back
             top = step.top[fallen]
-            batch.cannot_return(lanes, fallen, lanes.segment[fallen], top, top)
+            batch.cannot_return(lanes, fallen, lanes.segment[fallen], top, 0.0 * top)
         self.overturn(lanes, fallen)
         ended[fallen] = True
         if batch.peaks:
