@@ -46,6 +46,7 @@ COLUMNS = {
     "p": "frequency parameter",
     "theta_dot": "angular velocity",
     "omega_g": "circular frequency",
+    "omega_n": "circular frequency",
     **dict.fromkeys(
         (
             "a_g",

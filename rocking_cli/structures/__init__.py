@@ -14,6 +14,7 @@ from ..documents.spreads import NOTED_CUT
 from ..errors import DocumentError, StructureError
 from .kinds import KINDS, build, known_keys, reports_of
 from .parameters import OTHERS, RockingParameters, Side
+from .rigidity import rigidity_of
 from .shared_keys import damping_of, friction_of, labels_of
 from .sizes import size_remarks
 
@@ -67,6 +68,7 @@ def build_structure(document: Document) -> RockingParameters:
         built = build(document, name)
         static, kinetic = friction_of(document)
         damping = damping_of(document) + built.damping
+        details, flexible = rigidity_of(document, built)
         document.has("labels")  # a key of every kind, also of installed packages
         document.finish(known_keys)
         sized = (*size_remarks(document, built), *cut_remarks(document))
@@ -75,7 +77,8 @@ def build_structure(document: Document) -> RockingParameters:
             "friction": static,
             "kinetic_friction": kinetic,
             "labels": labels_of(document),
-            "remarks": (*built.remarks, *document.doubts.values(), *sized),
+            "details": {**built.details, **details},
+            "remarks": (*built.remarks, *document.doubts.values(), *sized, *flexible),
             "document": document,
         }
         # most bodies are complete: a copy would cost as much as they did

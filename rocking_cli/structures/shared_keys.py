@@ -143,6 +143,9 @@ RIGID = Keys(
             "of a toe that crushes, instead of inset",
             where="a positive stress, such as 2 MPa",
         ),
+        "period": positive(
+            "time", "of the body on a fixed base: tells how rigid it is"
+        ),
         "loads": Key("parts", "floors, roofs and other weights", inner=LOADS),
         "ties": Key("parts", "see rocking help ties", inner=_TIE),
         "tendon": Key("part", "see rocking help ties", inner=_TENDON),
