@@ -176,7 +176,8 @@ class Keys:
 
     def in_words(self, explained: bool = False) -> str:
         """Return the keys in words: `height, stiffness (or length, area and modulus);
-        optional: prestress, yield`; explained: each with what it is.
+        optional: prestress, yield`; explained: each with what it is, without optional
+        ones that do not say it.
         """
 
         def named(keys: Mapping[str, Key]) -> list[str]:
@@ -189,7 +190,8 @@ class Keys:
         for first, *others in self.ways:
             either = ", or ".join(both(named(way.required)) for way in others)
             found.append(f"{both(named(first.required))} (or {either})")
-        needed, optional = ", ".join(found), ", ".join(named(self.optional))
+        more = {k: key for k, key in self.optional.items() if key.doc or not explained}
+        needed, optional = ", ".join(found), ", ".join(named(more))
         return "; optional: ".join(filter(None, [needed, optional]))
 
 
