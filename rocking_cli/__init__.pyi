@@ -79,6 +79,9 @@ from .responses.code_check import code_check as code_check
 from .responses.code_check import first_beyond as first_beyond
 from .responses.comparison import compare as compare
 from .responses.history import history as history
+from .responses.identification.identified import Identification as Identification
+from .responses.identification.identify import identify as identify
+from .responses.identification.trace import Trace as Trace
 from .responses.shares import ShareOfDraws as ShareOfDraws
 from .responses.sliding import SlideHistory as SlideHistory
 from .responses.sliding import slide_history as slide_history

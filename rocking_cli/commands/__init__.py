@@ -28,6 +28,7 @@ SECTIONS = {
     "One structure, one motion": {
         "check": "Check which structures stand, and by what margin.",
         "response": "Time history of one structure under one motion.",
+        "identify": "Fit inset, p and eta to measured free rocking.",
         "solve": "Find the values of a key from which a structure stands.",
         "compare": "Compare structures at equal A and Omega, or the two equations.",
     },

@@ -29,21 +29,29 @@ must not change gravity, Arias intensity and CAV: they are separate dimensions.
 OF_INTENSITY = ("arias", "cav")
 """The velocities that `--units` does not change."""
 
+
+def _each(column: str) -> tuple[str, ...]:
+    """Return a column with those of its interval and its sides."""
+    ends = ("_low", "_high", "_right", "_left")
+    return (column, *(column + end for end in ends))
+
+
 COLUMNS = {
     **dict.fromkeys(
         (
-            "alpha",
+            *_each("alpha"),
             "alpha_geometric",
             "equilibrium",
             "theta",
             "theta_max",
+            "theta_before",
             "angle",
             "azimuth",
             "largest_azimuth",
         ),
         "angle",
     ),
-    "p": "frequency parameter",
+    **dict.fromkeys((*_each("p"), "p_structure"), "frequency parameter"),
     "theta_dot": "angular velocity",
     "omega_g": "circular frequency",
     "omega_n": "circular frequency",
@@ -108,7 +116,7 @@ COLUMNS = {
             "length",
             "tip_height",
             "crack_height",
-            "inset",
+            *_each("inset"),
         ),
         "length",
     ),

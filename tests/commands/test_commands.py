@@ -35,6 +35,7 @@ def test_an_option_means_one_thing_in_every_command():
     """
     alike = {
         "--vary",
+        "--column",
         "--json",
         "--output",
         "-o",

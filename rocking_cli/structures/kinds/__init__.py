@@ -29,24 +29,28 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import replace
 from functools import cache
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from ...documents.keys import Key, Keys
+from ...errors import DocumentError
 from ...plugins import blamed, installed
 from ..parameters import RockingParameters
 from ..shared_keys import (
     RIGID,
     SHARED,
     gravity_of,
+    has_loads,
     one_sided_restitution_of,
     restitution_of,
 )
 
 if TYPE_CHECKING:
     from ...documents.document import Document
+    from ..mechanics.single_body import RigidBody
     from ..sketch import Sketch
 
 GROUP = "rocking.structures"
@@ -144,6 +148,24 @@ def keys_of(word: str, *reported: str) -> Keys:
 def _joined(own: Keys, rigid: bool, *details: str) -> Keys:
     shared = RIGID | SHARED if rigid else SHARED
     return Keys(optional=dict.fromkeys(details, Key("any"))) | own | shared
+
+
+def rigid_body_of(document: Document) -> RigidBody | None:
+    """Return the rigid body of a document, on its geometric edges; None for one that
+    takes no inset, such as parameters, and for a body that carries loads.
+    """
+    from ..mechanics.single_body import RigidBody
+
+    word = str(document.values["kind"].content)
+    if word not in KINDS or not hasattr(kind := _module(word), "body"):
+        return None
+    found = kind.body(document)
+    if not isinstance(found, RigidBody) or has_loads(document):
+        return None
+    with suppress(DocumentError):  # a cracked spire takes no inset
+        found.inset_by(0.1 * found.lever)
+        return found
+    return None
 
 
 def _require_printable(built: RockingParameters) -> None:

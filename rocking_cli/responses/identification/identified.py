@@ -1,0 +1,142 @@
+"""What `identify` finds in a trace: a row, the impacts, the lines to paste, and what
+cannot be told.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ...arrays import Array
+from ...showing import Shown
+
+COLUMNS = (
+    "trace",
+    "release",
+    "impacts",
+    "theta0_ratio",
+    *("inset", "inset_low", "inset_high"),
+    *("alpha", "alpha_low", "alpha_high", "alpha_ratio"),
+    *("p", "p_low", "p_high", "p_structure"),
+    *("eta", "eta_low", "eta_high", "eta_scatter"),
+    *("eta_right", "eta_left", "eta_momentum"),
+    *("eta_slope", "eta_slope_low", "eta_slope_high"),
+    *("noise", "rms", "offset", "drift", "unexplained"),
+)
+IMPACT_COLUMNS = (
+    *("trace", "release", "impact", "t", "side", "theta_before", "ratio"),
+    *("eta", "eta_low", "eta_high", "eta_alone"),
+)
+SIDE_COLUMNS = tuple(
+    f"{key}_{side}" for key in ("inset", "alpha") for side in ("right", "left")
+)
+
+_TINY = 1e-12
+
+
+class Estimate(NamedTuple):
+    """A number with its standard deviation."""
+
+    value: float
+    sd: float
+
+    def text(self, unit: str = "", factor: float = 1.0) -> str:
+        """Return it as a document states a number with a spread, the spread to two
+        digits.
+        """
+        value, sd = self.value / factor, max(self.sd / factor, 1e-12)
+        digits = max(0, 1 - math.floor(math.log10(sd)))
+        unit = f" {unit}" if unit else ""
+        return f"{value:.{digits}f}{unit} +- {sd:.{digits}f}{unit}"
+
+
+@dataclass(frozen=True)
+class Course:
+    """The samples of a trace and the fit of one release, for a figure."""
+
+    quantity: str  # what was measured
+    t: Array  # [s], (N,)
+    y: Array  # readings [SI], (N,)
+    fit: Array  # [SI], NaN outside the release, (N,)
+    kept: Array  # True for the samples that the fit uses, (N,)
+    impacts: Array  # times [s]
+
+
+@dataclass(frozen=True, repr=False)
+class Identification(Shown):
+    """What free rocking tells of a body: one release, or the mean of several.
+
+    `identify` returns them.
+
+    Attributes
+    ----------
+    row: numbers by the columns of `rocking identify --json`, in SI; None where the
+        trace does not tell
+    impacts: rows of the impacts, by the columns of its CSV; empty for a mean
+    lines: of a structure document, to paste; empty if none may be pasted
+    remarks: sentences on what the trace does not tell or contradicts
+    course: the samples and the fit, None for a mean and for impact times
+    estimates: inset [m], alpha [rad], p [rad/s] and eta with their standard deviations,
+        those that are found
+
+    Examples
+    --------
+    >>> found = identify("configs/free_rocking.csv", "block:0.5x2")[0]
+    >>> print(found.lines[-2].partition("  #")[0])
+    inset: 25.02 mm +- 0.10 mm
+    >>> [round(found.row[key], 3) for key in ("eta", "eta_low", "eta_high")]
+    [0.914, 0.909, 0.919]
+    """
+
+    row: Mapping[str, Any]
+    impacts: Sequence[Mapping[str, Any]] = ()
+    lines: tuple[str, ...] = ()
+    remarks: tuple[str, ...] = ()
+    course: Course | None = None
+    estimates: Mapping[str, Estimate] = field(default_factory=dict)
+
+    def _shown(self) -> Mapping[str, Any]:
+        return {key: value for key, value in self.row.items() if value is not None}
+
+    def _rows(self) -> Iterable[Mapping[str, Any]]:
+        return self.impacts
+
+
+def bounds(name: str, found: Estimate | None, factor: float) -> dict[str, float | None]:
+    """Return a column with its interval; factor: half its width over the deviation."""
+    keys = (name, f"{name}_low", f"{name}_high")
+    if found is None:
+        return dict.fromkeys(keys)
+    half = factor * found.sd
+    return dict(
+        zip(keys, (found.value, found.value - half, found.value + half), strict=True)
+    )
+
+
+def mean_of(found: Sequence[Estimate]) -> tuple[Estimate, float]:
+    """Return (the mean of several tests, the standard deviation between them): random
+    effects by expectation and maximisation.
+    """
+    values, own = np.array(found, float).T
+    between = float(np.std(values))
+    for _ in range(200):
+        weight = 1.0 / (between**2 + own**2)
+        mean, variance = (
+            float(weight @ values / weight.sum()),
+            1.0 / float(weight.sum()),
+        )
+        # of the true value of each test, given its estimate
+        shrunk = between**2 * weight
+        left = shrunk**2 * (values - mean) ** 2 + (1.0 - shrunk) * between**2
+        between = float(np.sqrt(np.mean(left + shrunk**2 * variance))) + _TINY
+    return Estimate(mean, math.sqrt(variance)), between
+
+
+def rows_of(found: Iterable[Identification]) -> Iterator[Mapping[str, Any]]:
+    """Yield the rows of the impacts of all releases."""
+    for one in found:
+        yield from one.impacts
