@@ -12,7 +12,17 @@ from typing import Any
 import click
 
 F = Callable[..., Any]
-_PARTLY = f"{__name__}.partly"
+_PARTLY, _ALL = f"{__name__}.partly", f"{__name__}.all"
+# options that --help leaves to --help-all
+_LATER = """
+--omega-g --T-g --A --Omega --azimuth --sign --linear-uplift --tolerance --eta --alpha
+--csv --columns --digits --units --overwrite --quiet --workers --seed --floor --fc
+--spectrum --inset-effect --resume --shard --scheduler --chunk --verify-cells --strict
+--no-validity --impacts --row-step --steps --dimensionless --duration --site --standing
+--bootstrap --efficiency --cells --curve --pulses --counts --exact --dpi --size --style
+--title --author --place --summary --xlim --ylim --align --body --log --periods
+--damping --building --column --dt --over
+""".split()  # noqa: SIM905
 
 
 class Command(click.Command):
@@ -25,22 +35,31 @@ class Command(click.Command):
     def format_options(
         self, ctx: click.Context, formatter: click.HelpFormatter
     ) -> None:
-        """Write the options, and then those of each topic."""
+        """Write the options that a command needs, with --help-all every one, and then
+        those of each topic.
+        """
         apart: dict[str, list[str]] = {}
         rows = []
         for one in self.get_params(ctx):
             topic = self.topics.get(one.name or "")
             if topic is not None:
                 apart.setdefault(topic, []).append(one.opts[-1])
-            elif isinstance(one, click.Option) and (row := one.get_help_record(ctx)):
-                rows.append(row)
+            elif isinstance(one, click.Option) and (
+                _ALL in ctx.meta or one.opts[-1] not in _LATER
+            ):
+                rows.append(one.get_help_record(ctx))
         with formatter.section("Options"):
-            formatter.write_dl(rows)
+            formatter.write_dl([row for row in rows if row is not None])
         for topic, names in apart.items():
             with formatter.section(f"Options of {topic} (rocking help {topic})"):
                 room = formatter.width - formatter.current_indent
                 for line in wrap(", ".join(names), room, break_on_hyphens=False):
                     formatter.write(f"{'':{formatter.current_indent}}{line}\n")
+
+    def whole_help(self, ctx: click.Context) -> str:
+        """Return the help with every option."""
+        ctx.meta[_ALL] = True
+        return self.get_help(ctx)
 
     def rows_of(self, topic: str, ctx: click.Context) -> list[tuple[str, str]]:
         """Return (option, help) of each option of a topic."""
@@ -133,6 +152,14 @@ def partly(lacks: object = True) -> None:
         click.get_current_context().meta[_PARTLY] = True
 
 
+def _help_all(ctx: click.Context, _param: click.Parameter, wanted: bool) -> None:
+    """Print the help with every option, and end the call."""
+    if wanted:
+        assert isinstance(ctx.command, Command)
+        click.echo(ctx.command.whole_help(ctx), color=ctx.color)
+        ctx.exit()
+
+
 def command(example: str, *shared: Callable[[F], F]) -> Callable[[F], click.Command]:
     """Return a decorator that turns a function into a command. example: a call for its
     help; shared: further decorators, which add the options of the output.
@@ -172,7 +199,15 @@ def command(example: str, *shared: Callable[[F], F]) -> Callable[[F], click.Comm
                 if name in groups
                 else {name: one}
             )
-        wanted: F = called
+        for_all: Callable[[F], F] = click.option(
+            "--help-all",
+            is_flag=True,
+            is_eager=True,
+            expose_value=False,
+            callback=_help_all,
+            help="Show every option and exit.",
+        )
+        wanted: F = for_all(called)
         for decorator in (
             *shared,
             *(one.metadata["click"](name) for name, one in reversed(options.items())),

@@ -81,8 +81,9 @@ def help(
                 formatter.write_dl(rows)
             text += f"\n{formatter.getvalue()}"
         if command := group.command.get_command(group, name):
+            assert isinstance(command, Command)
             context = click.Context(command, parent=group, info_name=name)
-            text = f"{command.get_help(context)}\n\n{text}"
+            text = f"{command.whole_help(context)}\n\n{text}"
     streams.put(*text.rstrip().splitlines())
 
 

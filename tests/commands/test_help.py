@@ -30,7 +30,7 @@ def test_all_are_listed(rocking):
 @pytest.mark.parametrize("command", COMMANDS)
 def test_a_command_has_its_options_and_then_its_page(rocking, command):
     done = rocking("help", command)
-    options = rocking(command, "--help").stdout
+    options = rocking(command, "--help-all").stdout
     assert done.stdout.startswith(options.rstrip())
     assert done.stdout.endswith(page(command))
     found = cli.get_command(click.Context(cli), command)
@@ -64,7 +64,19 @@ def test_the_motion_options_stand_once_with_their_meaning_and_work(rocking):
     text = rocking("check", "--help").stdout
     assert "Options of motions (rocking help motions):\n  --pulse, --cycles" in text
     assert "Cycles of a sine" not in text
-    assert "Column of a table of numbers" in rocking("records", "--help").stdout
+    assert "Column of a table of numbers" in rocking("records", "--help-all").stdout
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_the_help_shows_what_a_command_needs_and_names_the_way_to_all(rocking, command):
+    few, every = (
+        rocking(command, asked).stdout.partition("Options of")[0]
+        for asked in ("--help", "--help-all")
+    )
+    options = re.findall(r"^  (-\S.*?)  ", few + "\n", re.MULTILINE)
+    assert "--help-all" in few
+    assert len(options) <= 13, options
+    assert len(every) >= len(few)
 
 
 def test_words_are_searched_in_all_pages(rocking):

@@ -13,7 +13,14 @@ BLOCK = "kind: block\nwidth: 0.5\nheight: 4\n"
 @pytest.mark.parametrize(
     ("period", "said"),
     # shares of the table of a lumped mass on a column: the nearest ratio below
-    [(0.1, ""), (0.15, "no table"), (0.19, "10 %"), (0.3, "13 %"), (0.6, "29 %"), (1.5, "no table")],
+    [
+        (0.1, ""),
+        (0.15, "no table"),
+        (0.19, "10 %"),
+        (0.3, "13 %"),
+        (0.6, "29 %"),
+        (1.5, "no table"),
+    ],
 )
 def test_the_ratio_is_that_of_the_mass_centre(period, said):
     body = built(f"{BLOCK}period: {period} s")
