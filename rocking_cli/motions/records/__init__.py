@@ -95,19 +95,25 @@ _UNCORRECTED = re.compile(
 )
 
 _FACTOR = re.compile(
-    r"^.*\bscal(?:e|ing)[ _]factor\W*([-+]?[.\d]+(?:[ed][-+]?\d+)?).*$",
-    re.IGNORECASE | re.MULTILINE,
+    r"\bscal(?:e|ing)[ _]factor[^\w\n]*?([-+]?[.\d]+(?:[ed][-+]?\d+)?)", re.IGNORECASE
 )
 
 
 def _factor(text: RecordText, form: str) -> str:
-    """Return a remark on a factor other than 1 that a header states; K-NET has its own
-    line of counts.
+    """Return a remark on a factor other than 1 that a header states, of samples that
+    the user takes as they stand; K-NET has its own line of counts. Raises
+    DocumentError for other samples: no format says whether they have the factor.
     """
-    found = None if form == "K-NET" else _FACTOR.search(cut_lines(text.head))
+    found = None if form == "K-NET" else _FACTOR.search(text.head)
     if found is None or finite_number(found[1].encode()) == 1.0:
         return ""
-    return f"the header states {found[0].strip()[:60]!r}; the samples do not get it"
+    if not text.given.as_it_stands:
+        raise text.fault(
+            f"found {found[0]!r}, and no word on whether the samples have it; expected"
+            " none, or `as_it_stands`, which takes them without a factor",
+            text.head.count("\n", 0, found.start()) + 1 + text.given.skip,
+        )
+    return f"the header states {found[0]!r}; the samples do not get it"
 
 
 @cache

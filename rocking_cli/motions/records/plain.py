@@ -252,6 +252,14 @@ class _Table:
 
     def taken(self, values: Array, begin: int, time: int | None) -> list[int]:
         """The columns of accelerations that are wanted."""
+        again = [
+            i for i in range(begin, self.width) if i != time and is_even(values[:, i])
+        ]
+        if time is not None and self.cells is None and again and len(values) > _FEW:
+            raise self.fault(
+                f"columns {time + 1} and {again[0] + 1} rise alike, as times do;"
+                " expected one time a line, no pairs of times and values"
+            )
         if self.given.column is not None:
             return [self.asked(self.given.column, values, time)]
         if self.cells is None and self.width > begin + 1:
@@ -307,12 +315,6 @@ class _Table:
             raise self.fault(
                 f"found {cell.text!r} ({cell.role}) in column {number}; expected an"
                 " acceleration"
-            )
-        again = [i for i in range(self.width) if i != time and is_even(values[:, i])]
-        if time is not None and self.cells is None and again and len(values) > _FEW:
-            raise self.fault(
-                f"columns {time + 1} and {again[0] + 1} rise alike, as times do;"
-                " expected one time a line"
             )
         return number - 1
 

@@ -474,8 +474,8 @@ class RecordText:
             bad = next((i for i, value in enumerate(found) if value is None), None)
             if bad is not None:
                 raise self.fault(
-                    f"found {shown(block.split()[bad])}; expected numbers alone from"
-                    f" line {self.line} on",
+                    f"found {shown(block.split()[bad])}; expected one block of numbers"
+                    f" alone from line {self.line} on",
                     int(on[bad]),
                 )
             values = np.array(found, dtype=float)

@@ -4,7 +4,7 @@ without a blank between.
 
 import numpy as np
 import pytest
-from support.record_layouts import as_printed, rows, wave
+from support.record_layouts import as_printed, refusal, rows, wave
 from support.refusals import refuses
 
 from rocking_cli import DocumentError
@@ -474,17 +474,19 @@ def test_a_vertical_component_is_found_in_a_title(tmp_path, title):
     assert is_vertical(read_record(tmp_path / "a.at2"))
 
 
-@pytest.mark.parametrize(
-    ("line", "told"),
-    [("Scale factor = 2.4072", True), ("SCALE FACTOR: 1.0", False)],
-)
-def test_a_factor_in_a_header_is_told(tmp_path, line, told):
+@pytest.mark.parametrize("line", ["Scale factor = 2.4072", "SCALING_FACTOR: -.5"])
+def test_samples_under_a_factor_are_taken_only_as_they_stand(tmp_path, line):
     header = TITLE.replace("Nowhere, 1/2/1999, Anystation, 090", line)
-    (tmp_path / "a.at2").write_text(header + "NPTS= 1003, DT= 0.005 SEC\n" + body())
-    record = read_record(tmp_path / "a.at2")
-    said = f"the header states {line!r}; the samples do not get it"
-    assert record.remarks == ((said,) if told else ())
+    text = header + "NPTS= 1003, DT= 0.005 SEC\n" + body()
+    said = refusal(tmp_path / "a.at2", text)
+    assert f"a.at2:2: found {line!r}, and no word on" in said
+    assert "`as_it_stands`, which takes them without a factor" in said
+    record = read_record(tmp_path / "a.at2", as_it_stands=True)
+    assert record.remarks == (f"the header states {line!r}; the samples do not get it",)
     np.testing.assert_array_equal(record.acceleration, READ)
+
+    (tmp_path / "a.at2").write_text(text.replace(line, "SCALE FACTOR: 1.0"))
+    assert read_record(tmp_path / "a.at2").remarks == ()
 
 
 def test_fields_that_touch_are_as_wide_as_their_points_are_apart(tmp_path):

@@ -201,6 +201,7 @@ PAIRS = "".join(
         (TWO, "all", "a:1: the first numbers of the lines rise evenly, as times do"),
         (PAIRS, "all", "a:1: the first numbers of the lines rise evenly"),
         (PAIRS, "2", "a:1: columns 1 and 3 rise alike, as times do; expected one time"),
+        (PAIRS, None, "a:1: columns 1 and 3 rise alike, as times do; expected one"),
     ],
 )
 def test_times_are_not_taken_for_values(tmp_path, text, column, words):
@@ -376,7 +377,10 @@ def test_bad_files_are_told_with_file_and_line(tmp_path, text, given, words):
             "t [s],a [g]\n2003-01-02T03:04:05.00,-0.1\n2003-01-02T03:04:05.01,0.1\n",
             "a:2: found '2003-01-02T03:04:05.00'; expected a time in s",
         ),
-        (f"{TWO}\nOWN STATION\n{TWO}", "a:402: found 'OWN', which is no finite number"),
+        (
+            f"{TWO}\nOWN STATION\n{TWO}",
+            "a:402: found 'OWN', which is no finite number; expected one block",
+        ),
     ],
 )
 def test_faults_of_rows_are_told_with_their_line(tmp_path, text, words):
