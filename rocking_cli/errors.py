@@ -155,29 +155,37 @@ def counted(number: int, thing: str) -> str:
     return f"{number} {thing}{'' if number == 1 else 's'}"
 
 
+_NEAR = 0.7  # share of common letters from which a word is similar
+
+
 def did_you_mean(
     word: str, known: Iterable[str], meant: Mapping[str, str] | None = None
 ) -> str:
     """Return ` (did you mean 'x'?)` for an unknown word, or an empty text. x is the
     word that `meant` gives for it, else the same word in other letters (a_g for a-g)
-    and the known words that begin with it, else a known word of similar spelling.
+    and the known words that begin with it or end with -x, else a known word of similar
+    spelling.
     """
     from difflib import get_close_matches
 
     def plain(text: str) -> str:
-        return text.casefold().replace("_", "-")
+        return text.casefold().replace("_", "-").lstrip("-")  # dashes are no letters
 
     words = {plain(other): other for other in known}
     mine = plain(word)
-    if meant and plain(meant.get(mine, "")) in words:
-        found = [plain(meant[mine])]
+    instead = plain({plain(k): x for k, x in (meant or {}).items()}.get(mine, ""))
+    if instead in words:
+        found = [instead]
     else:
         found = [
             other
             for other in words
-            if other == mine or (len(mine) > 2 and other.startswith(mine))
+            if other == mine
+            or (
+                len(mine) > 2 and (other.startswith(mine) or other.endswith(f"-{mine}"))
+            )
         ][:3]
-        found = found or get_close_matches(mine, words, n=1)
+        found = found or get_close_matches(mine, words, n=1, cutoff=_NEAR)
     return (
         f" (did you mean {' or '.join(repr(words[other]) for other in found)}?)"
         if found

@@ -4,7 +4,9 @@ import atexit
 import errno
 import gc
 import os
+import re
 import sys
+from collections.abc import Sequence
 from importlib import import_module
 from typing import Any
 
@@ -55,11 +57,13 @@ SECTIONS = {
 # the imports
 _COLLECTED = 100_000
 _MEANT = {
-    "--pga": "--a-g",
     "--amplitude": "--a-g",
+    "--freq": "--f-g",
     "--frequency": "--f-g",
     "--period": "--T-g",
     "--record": "--motion",
+    "--xlsx": "--csv",
+    "--excel": "--csv",
 }
 # options that another command uses for something else; the old name stays for one
 # version
@@ -69,6 +73,7 @@ RENAMED = {
     ("response", "--dt"): "--row-step",
     ("spectrum", "--check"): "--verify-cells",
 }
+_NUMBER = re.compile(r"[-+]?[0-9.]+(?:e[-+]?[0-9]+)?")
 COMMANDS = {
     name: summary for section in SECTIONS.values() for name, summary in section.items()
 }
@@ -100,6 +105,7 @@ class _Commands(click.Group):
                 f"No such command {args[0]!r}{did_you_mean(args[0], COMMANDS)}", ctx
             )
         name, command, rest = super().resolve_command(ctx, args)
+        _refuse_apart(rest)
         rest = _renamed(name, rest)
         if command is not None and not ctx.resilient_parsing:
             _refuse_repetitions(click.Context(command, ctx, name), rest)
@@ -146,6 +152,24 @@ def _renamed(command: str | None, arguments: list[str]) -> list[str]:
             argument = f"{known[old]}{equals}{value}"
         found.append(argument)
     return [*found, *arguments[end:]]
+
+
+def _refuse_apart(arguments: Sequence[str]) -> None:
+    """Raise click.UsageError for a number and its unit in two words, as `--a-g 0.3 g`:
+    click would take the unit for a file.
+    """
+    for flag, number, unit in zip(
+        arguments, arguments[1:], arguments[2:], strict=False
+    ):
+        if not (flag.startswith("--") and _NUMBER.fullmatch(number)):
+            continue
+        from ..documents.quantities import FACTORS
+
+        if unit in FACTORS and not os.path.exists(unit):
+            raise click.UsageError(
+                f"{flag} {number} {unit}: found a number and its unit in two words;"
+                f" expected one, {flag} {number}{unit} or {flag} '{number} {unit}'"
+            )
 
 
 def _refuse_repetitions(context: click.Context, arguments: list[str]) -> None:

@@ -21,6 +21,7 @@ from .printing import (
     is_quiet,
     note,
     printed,
+    require_columns,
     units_of,
 )
 from .progress import ProgressLine
@@ -140,6 +141,7 @@ def check(
     """
     from ..dynamics.outcome import Outcome
     from .check_demands import at_worst, opposite_outcomes, stated_demands
+    from .check_rows import known_columns
 
     stated = stated_demands(files, asked, wanted.vary, wanted.sign)
     if drawn.draws is not None:
@@ -150,6 +152,9 @@ def check(
         from ..motions.buildings import parse_building
 
         by_code.stand_on(parse_building(asked.building))
+    require_columns(
+        known_columns(stated, wanted, by_code is not None, drawn.draws is not None)
+    )
     if wanted.output is not None:
         options.check_target(wanted.output, wanted.overwrite)
     if by_code and of_code.spectrum and not stated.shakes:

@@ -9,11 +9,40 @@ from .printing import form
 
 if TYPE_CHECKING:
     from ..responses.verdict import Verdict
+    from .check import CheckOptions
     from .check_demands import Demands
 
 
 # columns that a table shows only if --columns names them
 UNSEEN = ("searched_to", "omega_g")
+
+
+def known_columns(
+    demands: Demands, wanted: CheckOptions, by_code: bool, drawn: bool
+) -> list[str]:
+    """Return the columns that the rows of a call may have, labels apart."""
+    from ..responses.verdict import CHECK_COLUMNS, FLOOR_COLUMNS
+
+    varied = [key.partition(" [")[0] for row in demands.varied.values() for key in row]
+    found = [
+        *varied,
+        *CHECK_COLUMNS,
+        *_later_columns(demands, wanted.limit is not None),
+    ]
+    found += ("lost_in_fall", *FLOOR_COLUMNS)
+    if demands.azimuths is not None:
+        found += ("azimuth", "largest_azimuth")
+    if demands.up_to is not None:
+        found += ("worst_f_g", "worst_f_g_end", "largest_f_g")
+    if by_code:
+        from ..responses.code_check import CODE_COLUMNS
+
+        found += CODE_COLUMNS
+    if drawn:
+        from ..responses.uncertainty import drawn_columns
+
+        found += drawn_columns(wanted.limit is not None)
+    return found
 
 
 def row_of(

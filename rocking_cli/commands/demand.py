@@ -30,7 +30,7 @@ class Shaking:
     """One amplitude and one frequency, with units or dimensionless."""
 
     a_g: str | None = option(
-        "--a-g",
+        "--pga --a-g",
         "Amplitude of the motion, m/s2 or with g; a negative one reverses it.",
         metavar="VALUE",
     )

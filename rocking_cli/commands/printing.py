@@ -78,7 +78,7 @@ _csv = _of_call("--csv", "form", flag_value="csv", help="CSV on standard output.
 _columns = _of_call(
     "--columns",
     metavar="NAME,…",
-    help="Columns of a table (default: all that are not empty).",
+    help="Columns to print (default: all, in a table those that are not empty).",
 )
 _digits = _of_call(
     "--digits",
@@ -146,7 +146,7 @@ def _labelled(
     for row in rows:
         kept: Mapping[str, Mapping[str, str]] = _kept("labels") or {}
         mine = kept.get(str(row.get("structure", row.get("name"))), {})
-        if form == "json":
+        if form == "json" and not chosen:
             yield {**row, "labels": mine} if mine else row
             continue
         named = {
@@ -161,6 +161,39 @@ def _labelled(
                 if form == "csv" or name in chosen
             },
         }
+
+
+def require_columns(known: Iterable[str]) -> None:
+    """Refuse, before anything is computed, a name of --columns that is no column; one
+    that the rows lack is empty in them. known: the columns that the call may print,
+    labels apart. Raises UsageError.
+    """
+    from ..reports.tables import unknown_column
+
+    meta = click.get_current_context().meta
+    names = dict.fromkeys([*known, *(_kept("label_names") or ())])
+    meta[f"{__name__}.known_columns"] = names
+    for name in chosen_columns():
+        if name not in names:
+            raise unknown_column(name, names)
+
+
+def _selected(
+    rows: Iterable[Mapping[str, Any]], chosen: Sequence[str]
+) -> Iterator[dict[str, Any]]:
+    """Yield the chosen columns of rows, in their order. Raises UsageError for a name
+    that neither the first row nor `require_columns` has.
+    """
+    from ..reports.tables import unknown_column
+
+    for i, row in enumerate(rows):
+        headings = {key.partition(" [")[0]: key for key in row}
+        if i == 0:
+            known = {**headings, **(_kept("known_columns") or {})}
+            for name in chosen:
+                if name not in known:
+                    raise unknown_column(name, known)
+        yield {(key := headings.get(name, name)): row.get(key) for name in chosen}
 
 
 def emit(
@@ -194,12 +227,15 @@ def emit(
     if unseen and form is None:
         hidden = set(unseen) - set(chosen)
         rows = ({k: x for k, x in row.items() if k not in hidden} for row in rows)
+    rows = _labelled(rows, form, chosen)
+    if chosen and (form is not None or _kept("known_columns")):
+        rows = _selected(rows, chosen)
     layout: dict[str, Any] = {}
     if form is None:
         digits = _kept("digits") or 4
         layout = {"digits": digits, "width": _width(), "chosen": chosen, "keys": keys}
     for line in lines(
-        _labelled(rows, form, chosen),
+        rows,
         form or "table",
         columns,
         encoding=sys.stdout.encoding,

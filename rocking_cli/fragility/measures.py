@@ -154,7 +154,7 @@ def site_pulses(
             if "weight" in columns
             else 1.0
         )
-        label = f"{motion.name}, {a_g:.4g} m/s2, {omega / (2.0 * math.pi):.4g} Hz"
+        label = f"{motion.name} {a_g:.4g} m/s2 {omega / (2.0 * math.pi):.4g} Hz"
         members.append(
             MotionMember(
                 label,

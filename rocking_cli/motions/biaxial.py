@@ -30,7 +30,7 @@ def with_vertical(motion: Motion, vertical: Motion, scale: float = 1.0) -> Motio
     )
     marks = np.sort(np.concatenate([motion.marks, vertical.marks]))
     marks = marks[np.diff(marks, prepend=-np.inf) > 1e-12 * marks[-1]]
-    name = vertical.name if scale == 1.0 else f"{vertical.name}, times {scale:g}"
+    name = vertical.name if scale == 1.0 else f"{vertical.name} times {scale:g}"
     return motion.on(marks, vertical.on(marks).scaled(factor, name))
 
 

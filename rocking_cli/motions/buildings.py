@@ -76,7 +76,7 @@ class Building:
     @property
     def name(self) -> str:
         """The floor in a few words."""
-        periods = ", ".join(f"{mode.period:g}" for mode in self.modes)
+        periods = " and ".join(f"{mode.period:g}" for mode in self.modes)
         return f"floor of T {periods} s"
 
     def identity(self) -> list[list[float]]:
@@ -383,7 +383,7 @@ def floor_of(
     vertical = _unfiltered(ground.vertical, marks, omega, acceleration)
     own = ground.name.removesuffix(upwards(ground.vertical))
     return Polyline(
-        (name or f"{own}, {building.name}") + upwards(ground.vertical),
+        (name or f"{own} on {building.name}") + upwards(ground.vertical),
         marks[:-1],
         marks[1:],
         first,
@@ -404,7 +404,7 @@ def floor_record(record: "Record", building: Building) -> "tuple[Record, float]"
     assert samples is not None  # those of the record are equal
     moved = replace(
         record,
-        name=f"{record.name}, {building.name}",
+        name=f"{record.name} on {building.name}",
         dt=samples.step,
         acceleration=largest(record.acceleration) * samples.values,
         header_pga=None,

@@ -24,7 +24,7 @@ from .sinusoids import isolated_extremes
 LARGEST_SCALE = 1e100  # larger amplitudes may overflow
 # the name of a motion times a factor, and the floor that it moves
 _TIMES = re.compile(
-    r"(?P<name>.+), times (?P<factor>-?[0-9.]+(?:e[-+]?[0-9]+)?)(?P<floor>, floor .+)?"
+    r"(?P<name>.+) times (?P<factor>-?[0-9.]+(?:e[-+]?[0-9]+)?)(?P<floor> on floor .+)?"
 )
 
 
@@ -268,11 +268,11 @@ class Motion(Shown):
         vertical part keeps its sign.
         """
         own = self.name.removesuffix(upwards(self.vertical))
-        words, before = f", times {checked_scale(own, factor):g}", _TIMES.fullmatch(own)
+        words, before = f" times {checked_scale(own, factor):g}", _TIMES.fullmatch(own)
         # the opposite direction of "times 2" is "times -2", that of "times -1" the name
         if before is not None and -1.0 in (factor, float(before["factor"])):
             own, total = before["name"], factor * float(before["factor"])
-            words = "" if total == 1.0 else f", times {total:g}"
+            words = "" if total == 1.0 else f" times {total:g}"
             words += before["floor"] or ""
         up = (
             self.vertical

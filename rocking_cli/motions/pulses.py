@@ -52,7 +52,7 @@ def sine(cycles: float = 1.0) -> Motion:
     --------
     >>> motion = sine(cycles=1.5)
     >>> motion.name, round(motion.duration, 6)
-    ('sine, 1.5 cycles', 9.424778)
+    ('sine 1.5 cycles', 9.424778)
     """
     return _trigonometric("sine", cycles, 0.0)
 
@@ -78,7 +78,7 @@ def cosine(cycles: float = 1.0) -> Motion:
     --------
     >>> motion = cosine()
     >>> motion.name, motion.value([0.0, 3.0]).round(6).tolist()
-    ('cosine, 1 cycle', [1.0, -0.989992])
+    ('cosine 1 cycle', [1.0, -0.989992])
     """
     return _trigonometric("cosine", cycles, np.pi / 2)
 
@@ -148,7 +148,7 @@ def _trigonometric(name: str, cycles: float, phase: float) -> Motion:
             f" up to {MOST_CYCLES}"
         )
     return Motion(
-        f"{name}, {cycles:g} cycle{'' if cycles == 1 else 's'}",
+        f"{name} {cycles:g} cycle{'' if cycles == 1 else 's'}",
         (Piece(0.0, halves * np.pi, (Harmonic(1.0, 1.0, phase),)),),
     )
 

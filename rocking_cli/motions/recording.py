@@ -115,7 +115,7 @@ class Recording(Shown):
         -------
         Recording
         """
-        label = f"{self.label}, {building.name}"
+        label = f"{self.label} on {building.name}"
         return replace(self, building=building, label=label)
 
     @property
@@ -142,7 +142,7 @@ def _motion(recording: Recording) -> Motion:
     across: Motion = record_motion(
         recording.record,
         recording.factor,
-        recording.label + ", times -1" * (recording.factor < 0.0),
+        recording.label + " times -1" * (recording.factor < 0.0),
     )
     if recording.building is not None:
         across = recording.building.moved_by(across)

@@ -6,7 +6,7 @@ import csv
 import json
 import math
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from itertools import zip_longest
 from textwrap import wrap
 from types import SimpleNamespace
@@ -124,6 +124,13 @@ def table_lines(
     yield from _upright(table, width) if upright else _level(table, width)
 
 
+def unknown_column(name: str, known: Collection[str]) -> UsageError:
+    """Return the error for a name that is not among the columns."""
+    meant = did_you_mean(name, known)
+    expected = f"expected names among {', '.join(known)}"
+    return UsageError(f"`columns`: found {name!r}{meant}; {expected}")
+
+
 def _headings(body: Sequence[Row], chosen: Sequence[str]) -> list[str]:
     """Return the headings of a table: the chosen ones, or those that have values."""
     known = {
@@ -133,9 +140,7 @@ def _headings(body: Sequence[Row], chosen: Sequence[str]) -> list[str]:
         return []
     for name in chosen:
         if name not in known:
-            meant = did_you_mean(name, known)
-            expected = f"expected names among {', '.join(known)}"
-            raise UsageError(f"`columns`: found {name!r}{meant}; {expected}")
+            raise unknown_column(name, known)
     if chosen:
         return [known[name] for name in chosen]
     empty: tuple[Any, ...] = (None, "", [])

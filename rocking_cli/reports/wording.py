@@ -81,7 +81,7 @@ def demand_plainly(
             if len(shakes) > 1
             else f"the record {motion.name}, of PGA {size}"
         ) + upwards
-    plain, times, factor = motion.name.partition(", times ")
+    plain, times, factor = motion.name.partition(" times ")
     name = motion_in_words(plain)
     if name == plain:
         name = f"a{'n' if name[0].lower() in 'aeiou' else ''} {name}"

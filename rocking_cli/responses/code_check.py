@@ -48,6 +48,13 @@ _RATIO, _EXACT, _AT_ONCE = (5e-3, 1e-4, 20)
 METHODS = {"code_linear": f"q = {Q:g}", "code_slv": "SLV", "code_slc": "SLC"}
 
 
+# the columns that `rocking check --code` adds
+CODE_COLUMNS = (
+    *(column for key in METHODS for column in (key, f"{key}_ratio")),
+    *("theta_04_a", "theta_04_ratio", "e_star", "d_slv", "t_slv", "d_slc", "t_slc"),
+)
+
+
 class LimitState(NamedTuple):
     """A limit state of the displacement method."""
 

@@ -1011,7 +1011,7 @@ def test_in_a_range_the_worse_direction_of_unequal_sides_counts(rocking):
     more = ("--a-g", "0.36g", "--f-g", "1.6:1.7", "--json")
     for search in (("--verdict-only",), ("--a-max", "0.37g")):
         row = rocking(*wall, *more, *search).record
-        assert row["motion"] == "symmetric Ricker, times -1"
+        assert row["motion"] == "symmetric Ricker times -1"
         assert row["outcome"] == "rocked"
 
 
@@ -1036,3 +1036,27 @@ def test_a_further_hinge_of_an_arch_is_named(rocking):
         "open a further hinge (see response --forces), so that another mechanism"
         " follows: Oppenheim" in done.stderr
     )
+
+
+def test_columns_are_checked_before_anything_is_computed_and_choose_those_of_csv(
+    rocking, refused, monkeypatch
+):
+    call = ("check", "block:0.5x2", "--a-g", "0.3g", "--f-g", "1.5", "--verdict-only")
+    family = (*call, "--vary", "width=0.4:0.5:2", "--columns")
+    done = rocking(*family, "varied_width,outcome,safe_to", "--csv")
+    assert done.stdout.splitlines()[0] == "varied_width [m],outcome,safe_to [m/s2]"
+    assert [row[1:] for row in map(tuple, (r.values() for r in done.rows))] == [
+        ("rocked", ""),
+        ("rocked", ""),
+    ]
+    record = rocking(*call, "--columns", "theta_ratio,outcome", "--json").record
+    assert list(record) == ["theta_ratio", "outcome"]
+
+    def never(*_, **__):
+        raise AssertionError("computed")
+
+    monkeypatch.setattr("rocking_cli.responses.check.verdicts", never)
+    said = refused(2, *family, "width")
+    assert "--columns: found 'width' (did you mean 'varied_width'?)" in said
+    # known, though these rows do not have it: no row is slid
+    assert "found 'slide_max'" in refused(2, *family, "slide_max", "--csv")

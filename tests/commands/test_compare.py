@@ -36,4 +36,4 @@ def test_a_record_has_no_frequency_and_its_reversal_a_name(rocking):
         rocking("check", "configs/block.yaml", *record, "--verdict-only", *more).records
         for more in ((), ("--scale", "-1"))
     ]
-    assert [row["motion"] for (row,) in found] == ["synthetic", "synthetic, times -1"]
+    assert [row["motion"] for (row,) in found] == ["synthetic", "synthetic times -1"]

@@ -22,7 +22,7 @@ def test_shards_of_another_scene_are_refused(rocking, refused):
         == 0
     )
     said = refused(2, "merge", "1.h5", "2.h5", "-o", "all.h5")
-    assert 'its motion differs: "cosine, 1 cycle", there "sine, 1 cycle"' in said
+    assert 'its motion differs: "cosine 1 cycle", there "sine 1 cycle"' in said
 
 
 def test_the_shard_that_is_missing_is_named(rocking):

@@ -404,12 +404,23 @@ REFUSED = {
         ),
         (
             2,
-            f"{COLUMN} --pga=0.3g",
-            (
-                "rocking response: No such option --pga (did you mean '--a-g'?) (see"
-                " --help)\n"
-            ),
+            f"{COLUMN} --xlsx",
+            "rocking response: No such option --xlsx (did you mean '--csv'?) (see",
         ),
+        (
+            2,
+            f"{COLUMN} --freq 1",
+            "rocking response: No such option --freq (did you mean '--f-g'?) (see",
+        ),
+        # near in letters alone: --workers, --release
+        (2, f"{COLUMN} --where 1", "rocking response: No such option --where (see"),
+        (
+            2,
+            f"{COLUMN} --a-g 0.3 g --f-g 1",
+            "--a-g 0.3 g: found a number and its unit in two words; expected one,"
+            " --a-g 0.3g or --a-g '0.3 g'",
+        ),
+        (2, f"{COLUMN} --pga=0.3g --a-g 0.3g --f-g 1", "--a-g is given twice"),
         (
             2,
             f"{COLUMN} -pulse sine",

@@ -245,9 +245,7 @@ def test_both_directions_are_those_of_the_weaker_one(rocking, judged, monkeypatc
         for sign in ("+", "-", "both")
     }
     assert rows["both"].records == [*rows["+"].records, rows["-"].records[0]]
-    assert [row["motion"] for row in rows["-"].records] == [
-        "sine, 1 cycle, times -1"
-    ] * 2
+    assert [row["motion"] for row in rows["-"].records] == ["sine 1 cycle times -1"] * 2
     assert "opposite direction" not in rows["both"].stderr
 
 

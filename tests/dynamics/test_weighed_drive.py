@@ -220,10 +220,10 @@ def test_a_vertical_motion_is_named_as_it_was_recorded():
         Polyline(name, *lines, peak) for name, peak in (("one", 4.0), ("two", 2.0))
     )
     names = [with_vertical(one, two, *scale).name for scale in ((), (0.5,))]
-    assert names == ["one with two upwards", "one with two, times 0.5 upwards"]
+    assert names == ["one with two upwards", "one with two times 0.5 upwards"]
     assert (
         with_vertical(sine(), cosine()).scaled(-1.0).name
-        == "sine, 1 cycle, times -1 with cosine, 1 cycle upwards"
+        == "sine 1 cycle times -1 with cosine 1 cycle upwards"
     )
 
 

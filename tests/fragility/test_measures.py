@@ -74,7 +74,7 @@ def test_site_pulses_have_units_weights_and_shapes(tmp_path):
     assert (one.acceleration, two.acceleration) == pytest.approx((0.3 * 9.81, 2.0))
     assert (one.omega, two.omega) == pytest.approx((4 * np.pi, 2.5 * np.pi))
     assert (one.weight, two.weight) == (0.5, 1.5)
-    assert (one.motion.name, two.motion.name) == ("sine, 1 cycle", "rectangular")
+    assert (one.motion.name, two.motion.name) == ("sine 1 cycle", "rectangular")
 
 
 REFUSED = [
@@ -95,7 +95,7 @@ test_wrong_tables_are_refused_with_their_place = refuses(
 def test_unknown_measures_and_those_that_a_motion_lacks_are_refused():
     with pytest.raises(UsageError, match=r"`im`: found 'PGX'; expected PGA, PGV"):
         measure_of("PGX")
-    with pytest.raises(UsageError, match="sine, 1 cycle: its PGV is 0"):
+    with pytest.raises(UsageError, match="sine 1 cycle: its PGV is 0"):
         pulsed(sine(), 0.0, 1.0).measured(MEASURES["PGV"], BLOCK)
 
 

@@ -189,7 +189,7 @@ def test_a_recording_keeps_the_measures_of_the_ground():
         one.acceleration,
         one.intensity.pga,
     )
-    assert moved.label == "synthetic, floor of T 0.4 s"
+    assert moved.label == "synthetic on floor of T 0.4 s"
     assert moved.motion.acceleration == one.acceleration
     values = floor_of(one.motion, ONE).value(np.array([3.0]))
     assert moved.motion.value(np.array([3.0])) == pytest.approx(values, rel=1e-12)

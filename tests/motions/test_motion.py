@@ -208,10 +208,10 @@ def test_a_motion_of_too_many_patches_is_summed_term_by_term(monkeypatch):
 def test_the_opposite_of_the_opposite_direction_has_the_name_of_the_motion():
     motion = sine()
     assert motion.scaled(-1.0).scaled(-1.0).name == motion.name
-    assert motion.scaled(-1.0).scaled(2.5).name == f"{motion.name}, times -2.5"
-    assert motion.scaled(2.5).scaled(-1.0).name == f"{motion.name}, times -2.5"
+    assert motion.scaled(-1.0).scaled(2.5).name == f"{motion.name} times -2.5"
+    assert motion.scaled(2.5).scaled(-1.0).name == f"{motion.name} times -2.5"
     floor = floor_of(motion.scaled(-1.0), "T=0.4,xi=0.05", 1.0)
-    assert floor.scaled(-1.0).name == f"{motion.name}, floor of T 0.4 s"
+    assert floor.scaled(-1.0).name == f"{motion.name} on floor of T 0.4 s"
 
 
 @pytest.mark.parametrize("short", [1e-4, 1e-8, 1e-12])

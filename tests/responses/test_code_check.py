@@ -189,7 +189,7 @@ def test_each_limit_state_has_its_own_spectrum():
 @pytest.mark.parametrize(("points", "known"), [(5, {"SLV"}), (4, set())])
 def test_a_spectrum_that_ends_before_a_period_gives_no_answer(points, known):
     """The secant periods of the slender body are 1.3759 and 1.9164 s, as of a height
-    of 2 m, times 2.5.
+    of 2 m times 2.5.
     """
     body = built("kind: block\nwidth: 0.1\nheight: 12.5")
     site = SpectrumFile("s", PERIODS[:points], SITE.values[:points])

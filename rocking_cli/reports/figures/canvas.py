@@ -63,7 +63,7 @@ _NO_LAYOUT: dict[Any, Any] = {
     "figure.autolayout": False,
 }
 _TITLE = 72  # characters of a line of a title
-_CYCLES = re.compile(r"(.+?), ([\d.]+) cycles?(.*)")  # the name of a sine or cosine
+_CYCLES = re.compile(r"(.+?) ([\d.]+) cycles?(.*)")  # the name of a sine or cosine
 _COUNTS = {"1": "one cycle of", "0.5": "half a cycle of"}
 _NO_GLYPH = r"Glyph (\d+) "  # the beginning of a warning of matplotlib
 FIGURE_UNITS = parse_units("g,Hz")  # the default

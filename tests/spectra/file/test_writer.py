@@ -129,7 +129,7 @@ def test_a_killed_sweep_goes_on_to_the_same_file(tmp_path):
         ),
         (
             {"motion": cosine()},
-            'its motion is "sine, 1 cycle", that of this run "cosine, 1 cycle"',
+            'its motion is "sine 1 cycle", that of this run "cosine 1 cycle"',
         ),
         (
             {"structures": [*ONE, dimensionless_oscillator(eta=0.7)]},
