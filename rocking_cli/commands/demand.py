@@ -161,8 +161,7 @@ class Directed(DemandOptions):
         from ..motions.grid import parse_span
 
         refuse(
-            "does not go with --azimuth: --scale FACTOR scales both components",
-            "scale_to",
+            "does not go with --azimuth: --scale and --scale-to scale both components",
             *(one.name for one in fields(Shaking)),
         )
         if not self.motion:

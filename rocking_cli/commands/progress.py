@@ -23,6 +23,7 @@ _EVERY = 30.0  # s between two lines of a log
 _ENOUGH = 3.0  # units that give the rate
 _SHARE, _SECONDS = 0.05, 5.0  # or this share of all units, after so many seconds
 _LARGER = (("days", 86400.0), ("h", 3600.0), ("min", 60.0))  # than a second
+_HALF_LIFE = 60.0  # s in which a new estimate of the time left gets half of the weight
 _BAR, _LEAST_BAR = 20, 5  # characters
 
 
@@ -54,7 +55,7 @@ class _Reporter:
             return f"still computing ({now - self.began:.0f} s)"
         if not self.line.unfinished:  # what follows has no units
             return (
-                f"{self.line.label}: done; still computing ({now - self.began:.0f} s in"
+                f"still computing (after {self.line.label}; {now - self.began:.0f} s in"
                 " all)"
             )
         return self.line.in_words()
@@ -101,6 +102,8 @@ class ProgressLine:
         self._first = 0.0  # units that were done at the first call
         self._done = 0.0  # a part of a unit counts as such
         self._total = 0
+        # the time left that was told last, and when [s]
+        self._told: tuple[float, float] | None = None
         self._ended = False  # True when the line has stated that all is done
         self._visible = sys.stderr.isatty() and not is_quiet()
         if _reporter is not None:
@@ -129,11 +132,24 @@ class ProgressLine:
         early = new < _SHARE * self._total or seconds < _SECONDS
         if new < _ENOUGH and early:
             return f"{self.label}: still computing ({units}, {seconds:.0f} s)"
-        left = seconds / new * (self._total - self._done)
+        left = self._damped(seconds / new * (self._total - self._done))
         larger = (one for one in _LARGER if left >= 2.0 * one[1])
         name, unit = next(larger, ("s", 1.0))
         more = f"{float(f'{left / unit:.2g}'):g} {name}"
         return f"{self.label}: about {more} more ({units}, {seconds:.0f} s)"
+
+    def _damped(self, left: float) -> float:
+        """Return the time left [s], drawn to that which was told before, so that a slow
+        unit among quick ones does not change it much.
+        """
+        now = monotonic()
+        if self._told is not None:
+            before, at = self._told
+            old = 0.5 ** ((now - at) / _HALF_LIFE)
+            expected = max(before - (now - at), 1.0)
+            left = expected**old * max(left, 1.0) ** (1.0 - old)
+        self._told = left, now
+        return left
 
     def __call__(self, done: float, total: int) -> None:
         with streams.lock:

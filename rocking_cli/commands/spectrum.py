@@ -4,6 +4,7 @@ file.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -19,6 +20,11 @@ if TYPE_CHECKING:
     from ..motions.grid import Grid
     from ..spectra.scene import Scene
     from ..structures import RockingParameters
+
+
+# cells of which a line tells the size before the first one, and those of one call
+_MANY, _MOST = 1_000_000, 1_000_000_000
+_BYTES = 9  # of a cell in the file, before it is compressed
 
 
 @dataclass(frozen=True)
@@ -110,6 +116,7 @@ def spectrum(
     structures = model.lifting(structures)
     scene = _scene(structures, shaken, grid, wanted, sizeless, model)
     options.remark_on(grid=grid, spans=wanted.axes or "")
+    _tell_size(scene, wanted.output, sweep)
 
     settings = SweepOptions(
         chunk_cells=wanted.chunk_cells or CHUNK_CELLS,
@@ -152,6 +159,22 @@ def _grid(wanted: SpectrumOptions, shaken: ground.Ground) -> Grid | None:
         )
     refuse("goes with records: give --motion", "alphas")
     return parse_grid(wanted.axes)
+
+
+def _tell_size(scene: Scene, output: Path, sweep: options.Sweep) -> None:
+    """Print how many cells a large grid has and how long its file is. Raises UsageError
+    for more cells than one call computes.
+    """
+    cells = math.prod(scene.shape)
+    if cells > _MOST and sweep.shard is None and sweep.scheduler is None:
+        parts = math.ceil(cells / _MOST)
+        raise click.UsageError(
+            f"found {cells:,} cells; expected up to {_MOST:,} in one call: compute"
+            f" parts of them by --shard 1/{parts}"
+        )
+    if cells >= _MANY:
+        megabytes = cells * _BYTES / 1e6
+        note(f"{cells:,} cells into {output}: up to {megabytes:,.0f} MB")
 
 
 def _scene(

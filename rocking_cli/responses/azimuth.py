@@ -23,7 +23,9 @@ def at_azimuth(pair: Sequence[Recording], azimuth: float) -> Recording:
     """Return the motion in one direction: the first component times cos(azimuth) plus
     the second times sin(azimuth); azimuth in rad.
 
-    The shorter component is zero after its end. Raises UsageError unless there are two
+    The shorter component is zero after its end. Both components have one factor: of
+    components that are scaled to a measure that of the larger one, which reaches it.
+    Raises UsageError unless there are two
     components with the same step.
     """
     if len(pair) != 2:
@@ -46,7 +48,8 @@ def at_azimuth(pair: Sequence[Recording], azimuth: float) -> Recording:
         acceleration=math.cos(azimuth) * both[0] + math.sin(azimuth) * both[1],
         header_pga=None,
     )
-    found = Recording(turned, pair[0].factor, upwards=pair[0].upwards)
+    factor = min((one.factor for one in pair), key=abs)
+    found = Recording(turned, factor, upwards=pair[0].upwards)
     building = pair[0].building
     return found if building is None else found.on_floor(building)
 

@@ -13,7 +13,15 @@ import pytest
 from support.documents import same_file
 from support.watched_processes import PATIENCE, PROGRAM, grows
 
-from rocking_cli import LinearEquation, Outcome, SpectraFile, System, history, sine
+from rocking_cli import (
+    LinearEquation,
+    Outcome,
+    SpectraFile,
+    System,
+    UsageError,
+    history,
+    sine,
+)
 from rocking_cli.dynamics import batch
 from rocking_cli.interruption import STOPS
 
@@ -281,3 +289,20 @@ def test_where_no_cell_was_checked_no_error_is_known(rocking, tmp_path):
     call = ("spectrum", "--eta", "0.9", "--grid", "A=2,Omega=3", "--json")
     row = rocking(*call, "--verify-cells", "0", "-o", str(tmp_path / "a.h5")).record
     assert (row["checked_cells"], row["largest_difference"]) == (0, None)
+
+
+def test_a_large_grid_tells_its_size_first_and_a_larger_one_asks_for_shards(
+    rocking, refused, monkeypatch
+):
+    call = ("spectrum", "--eta", "0.9", "-o", "s.h5", "--grid")
+    said = refused(2, *call, "A=1:2:100000,Omega=1:2:100000")
+    assert "found 10,000,000,000 cells; expected up to 1,000,000,000" in said
+    assert "--shard 1/10" in said
+
+    def stop(*_):
+        raise UsageError("stopped here")
+
+    monkeypatch.setattr("rocking_cli.spectra.sweep.write_scene", stop)
+    told = rocking(*call, "A=1:2:2000,Omega=1:2:1000").stderr
+    assert "2,000,000 cells into s.h5: up to 18 MB\n" in told
+    assert "stopped here" in told

@@ -45,6 +45,18 @@ def test_two_components_in_a_direction():
             at_azimuth(wrong, 0.0)
 
 
+def test_components_scaled_to_a_measure_have_the_factor_of_the_larger_one():
+    """A record and its half, each scaled to its peak: at 0 deg it is the record times
+    its own factor.
+    """
+    pair = [component(SAMPLES, factor=2.0), component(0.5 * SAMPLES, factor=-4.0)]
+    for azimuth, wanted in ((0.0, 2.0 * SAMPLES), (0.5 * math.pi, SAMPLES)):
+        found = at_azimuth(pair, azimuth)
+        np.testing.assert_allclose(
+            found.factor * found.record.acceleration, wanted, rtol=1e-12, atol=1e-12
+        )
+
+
 @pytest.mark.parametrize("degrees", [30, 150])
 def test_a_motion_in_one_direction_is_worst_there(degrees):
     """A body with one side is shaken in the opposite direction too, which may be the
