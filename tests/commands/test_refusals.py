@@ -523,12 +523,12 @@ REFUSED = {
         ),
         (
             2,
-            "--eta 0.9 -o s.h5 --grid A=1:20:100000,Omega=1:20:100000 --cycles 1e5",
+            "--eta 0.9 -o s.h5 --grid A=1:20:30000,Omega=1:20:30000 --cycles 1e5 -q",
             "which would take years; expected up to 5e+08 cells",
         ),
         (
             2,
-            "--eta 0.9 -o s.h5 --grid A=1:20:10000,Omega=1:20:10000 --chunk 1",
+            "--eta 0.9 -o s.h5 --grid A=1:20:10000,Omega=1:20:10000 --chunk 1 -q",
             "found 100000000 units of work of 1 cells; expected",
         ),
         (2, f"--eta 0.9 {SMALL} --cycles 0.3", "multiple of 0.5"),
