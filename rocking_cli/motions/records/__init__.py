@@ -213,11 +213,9 @@ def records_of(source: str, raw: bytes, given: Given = NOTHING) -> list[Record] 
         if found is not plain and given.named:
             _require_agreement(source, read, given, found.NAME)
         also = "an uncorrected accelerogram" if uncorrected else ""
-        behind = "" if any(s.remark for s in read) else text.words_behind()
-        about = (*text.skipped, also, _factor(text, found.NAME))
+        about = (*text.skipped, also, _factor(text, found.NAME), text.surplus())
         series = [
-            s._replace(remark="; ".join(filter(None, (*about, s.remark, behind))))
-            for s in read
+            s._replace(remark="; ".join(filter(None, (*about, s.remark)))) for s in read
         ]
         return records(series, found.NAME)
 

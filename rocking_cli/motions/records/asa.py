@@ -6,7 +6,7 @@ channel.
 import re
 
 from .record import Series
-from .text import Keys, RecordText, begins
+from .text import Keys, Layout, RecordText, begins
 
 NAME = "ASA"
 _KEY = re.compile(r"\s*([A-Z][^:]*?)\s*:\s*(.*)", re.IGNORECASE)
@@ -47,10 +47,9 @@ def read(text: RecordText) -> list[Series]:
         raise text.fault(
             "channels of different lengths or steps, which are not read", 1
         )
-    values = text.rows(counts[0], width)
-    remark = text.surplus(counts[0])
+    values = text.rows(counts[0], Layout(width))
     found = zip(names, steps, values.T, peaks, strict=True)
-    return [Series(name, dt, x.copy(), unit, pga, remark) for name, dt, x, pga in found]
+    return [Series(name, dt, x.copy(), unit, pga) for name, dt, x, pga in found]
 
 
 def _keys(text: RecordText) -> Keys:

@@ -67,7 +67,6 @@ def read(text: RecordText) -> list[Series]:
         else:
             others = f"{block[2]} in {block[3]}"
             text.skip(count, layout)
-        text.require_end(count)
     if not found:
         raise text.no_acceleration(
             f"no acceleration, only {others}; expected an acceleration with a unit"

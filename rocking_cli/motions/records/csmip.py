@@ -5,6 +5,7 @@ touch.
 """
 
 import re
+from typing import NamedTuple
 
 from .record import Series
 from .text import Layout, RecordText, begins, fortran_layout, stated
@@ -18,8 +19,9 @@ _FIRST = re.compile(
 )
 # a file of volume 3, which has spectra and no motion
 _SPECTRA = re.compile(r"\s*RESPONSE AND FOURIER AMPLITUDE SPECTRA", re.IGNORECASE)
-_BLOCK = re.compile(
-    r"^\s*(\d+)\s*points of (acc|vel|dis)\w* data(?:.*?\bat\s*([-+.\d]+)\s*sec)?",
+BLOCK = re.compile(
+    r"^\s*(?P<count>\d+)\s*(?:points of )?(?P<of>acc|vel|dis)\w* (?:data|points)"
+    r"(?:.*?\bat\s*(?P<step>[-+.\d]+)\s*(?P<rate>pts/)?sec)?(?P<behind>.*)",
     re.IGNORECASE,
 )
 _PGA = re.compile(r"Peak\s+acc\w*\s*=\s*([-+.\dEe]+)\s*([a-z/0-9^]+)", re.IGNORECASE)
@@ -28,6 +30,7 @@ _LENGTH = re.compile(r"Record length\s*=\s*([.\d]+)\s*sec", re.IGNORECASE)
 _UNIT = re.compile(
     r"(?:\bin\b|units?:?)\s*(?:units of\s*)?([a-z]+(?:/[a-z0-9/^]+)?)", re.IGNORECASE
 )
+_IN_A_LINE = 8  # values, without a Fortran format in the line above
 # Place of the step in the real header, which has it with more digits.
 _ROW = 6  # lines above the block
 _COLUMNS = slice(40, 50)
@@ -47,36 +50,29 @@ def read(text: RecordText) -> list[Series]:
     others = ""
     above: list[str] = []  # lines of the channel's header
     while (line := text.next_line()) is not None:
-        block = _BLOCK.match(line)
-        if block is None:
+        said = BLOCK.match(line)
+        if said is None:
             above.append(line)
             continue
-        layout = fortran_layout(line) or Layout(8, 10)
-        count = text.count(block[1])
-        kind = block[2].lower()
-        if kind != "acc":
-            others = block[2]
-            text.skip(count, layout)
+        block = announced(text, said)
+        if block.quantity != "acc":
+            others = block.quantity
+            text.skip(block.npts, block.layout)
         else:
             latest = above[::-1]
-            text.count(stated(_POINTS, latest) or block[1], same=count)
-            dt = _precise(text.step(block[3] or ""), above)
+            text.count(stated(_POINTS, latest) or str(block.npts), same=block.npts)
+            dt = _precise(block.step, above)
             if length := stated(_LENGTH, latest):
-                text.agree(count, dt, length, slack=0.5 * float(length))
-            word = stated(_UNIT, [line[block.end() :]])
-            unit = text.unit(word) if word else "cm/s2"
+                text.agree(block.npts, dt, length, slack=0.5 * float(length))
+            unit = block.unit or "cm/s2"
             pga = (
                 stated(_PGA, latest)
                 if unit_of(stated(_PGA, latest, 2) or "") == unit
                 else None
             )
-            found.append(
-                Series(
-                    stated(_FIRST, latest), dt, text.numbers(count, layout), unit, pga
-                )
-            )
+            samples = text.numbers(block.npts, block.layout)
+            found.append(Series(stated(_FIRST, latest), dt, samples, unit, pga))
             above = []
-        text.require_end(count)
     if not found:
         only = f"no points of accel data, only of {others}"
         raise (
@@ -85,6 +81,32 @@ def read(text: RecordText) -> list[Series]:
             else text.fault("no line `n points of accel data`")
         )
     return found
+
+
+class Announced(NamedTuple):
+    """What a line states of the block of numbers below it."""
+
+    npts: int  # number of values
+    quantity: str  # acc, vel or dis
+    step: float  # [s], 0 of another quantity than an acceleration
+    unit: str  # of accelerations, "" if the line states none
+    layout: Layout  # by default eight on a line, as wide as the first line has them
+
+
+def announced(text: RecordText, said: re.Match[str]) -> Announced:
+    """Return what a line, a match of BLOCK, states of the block below it. Raises
+    DocumentError.
+    """
+    count, quantity, step, unit = text.count(said["count"]), said["of"].lower(), 0.0, ""
+    if quantity == "acc":
+        step_of = text.step_of_rate if said["rate"] else text.step
+        step = step_of(said["step"] or "")
+        if word := stated(_UNIT, [said["behind"]]):
+            unit = text.unit(word)
+    first = text.raw[text.at : text.at + 200].split(b"\n", 1)[0].rstrip()
+    width = max(1, len(first) // max(1, min(_IN_A_LINE, count)))
+    layout = fortran_layout(said.string) or Layout(_IN_A_LINE, width)
+    return Announced(count, quantity, step, unit, layout)
 
 
 def _precise(dt: float, above: list[str]) -> float:

@@ -44,4 +44,4 @@ def read(text: RecordText) -> list[Series]:
         text.agree(count, dt, duration, slack=1.0)
     samples = text.block(count)
     component, peak = stated(_COMPONENT, lines), stated(_PEAK, lines)
-    return [Series(component, dt, samples, unit, peak, text.surplus(count))]
+    return [Series(component, dt, samples, unit, peak)]

@@ -65,5 +65,4 @@ def read(text: RecordText) -> list[Series]:
         )
         for count in counts[1:]:
             text.skip(count, _LAYOUT)
-        text.require_end(next(n for n in reversed(counts) if n))
     return found

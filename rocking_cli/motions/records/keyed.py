@@ -51,16 +51,7 @@ def _esm(text: RecordText) -> list[Series]:
     component = (
         keys.get("STREAM", ("", 0))[0] or keys.get("COMPONENT", ("", 0))[0] or None
     )
-    return [
-        Series(
-            component,
-            dt,
-            text.numbers(count, Layout(1)),
-            unit,
-            pga,
-            text.surplus(count),
-        )
-    ]
+    return [Series(component, dt, text.numbers(count, Layout(1)), unit, pga)]
 
 
 def _knet(text: RecordText) -> list[Series]:
@@ -93,16 +84,8 @@ def _knet(text: RecordText) -> list[Series]:
     pga, _ = keys.get("MAX. ACC.", ("", 0))
     counts = text.numbers(count, Layout(8))
     samples = (counts - float(np.mean(counts))) * (float(scale[1]) / float(scale[2]))
-    return [
-        Series(
-            component,
-            dt,
-            samples,
-            "gal",
-            pga if re.fullmatch(r"[\d.]+", pga) else None,
-            text.surplus(count),
-        )
-    ]
+    peak = pga if re.fullmatch(r"[\d.]+", pga) else None
+    return [Series(component, dt, samples, "gal", peak)]
 
 
 def _afad(text: RecordText) -> list[Series]:
@@ -114,10 +97,9 @@ def _afad(text: RecordText) -> list[Series]:
     if "(GAL)" not in unit:
         raise text.fault(f"found {unit!r}; expected a record in gal", keys[unit][1])
     pgas = dict(re.findall(r"\(([^)]+)\)\s*([-+.\dEe]+)", keys.get(unit, ("", 0))[0]))
-    values = text.rows(count, 3)
-    remark = text.surplus(count)
+    values = text.rows(count, Layout(3))
     return [
-        Series(name, dt, values[:, i], "gal", pgas.get(name), remark)
+        Series(name, dt, values[:, i], "gal", pgas.get(name))
         for i, name in enumerate(keys[""][0].split())
     ]
 
@@ -139,16 +121,16 @@ def _cwb(text: RecordText) -> list[Series]:
     dt = text.step_of_rate(*text.value(keys, "SampleRate"))
     length, line = text.value(keys, "RecordLength")
     count, first = text.count(f"{text.number(length, line) / dt:.10g}", line), text.line
-    values = text.numbers(count * layout.columns, layout).reshape(count, layout.columns)
+    values = text.rows(count, layout)
     text.agree(count, even_step(values[:, 0], text, first), length, line)
-    remark, found = text.surplus(count), []
+    found = []
     for i, name in enumerate(names, 1):
         pga = max(
             _CWB_PGA.findall(keys.get(f"AMPLITUDEMAX. {name}", ("", 0))[0]),
             key=float,
             default=None,
         )
-        found.append(Series(name, dt, values[:, i], unit, pga, remark))
+        found.append(Series(name, dt, values[:, i], unit, pga))
     return found
 
 

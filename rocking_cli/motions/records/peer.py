@@ -12,7 +12,7 @@ from .directions import is_vertical_name
 from .headings import ACCELERATION_NAMES, other_quantity
 from .printed_numbers import finite_number
 from .record import Series
-from .text import RecordText, begins
+from .text import Layout, RecordText, begins
 from .times import even_step
 from .units import is_foreign, plain, unit_of
 
@@ -24,7 +24,6 @@ _COUNT = re.compile(
 _OLDER = re.compile(
     rf"^\s*{_NUMBER}\s*,?\s+{_NUMBER}\s*,?\s*NPTS\s*,?\s*DT\b()", re.IGNORECASE
 )
-_SAID, _TRAILER = re.compile(r"\S.*"), re.compile(r"\W*(?:END|EOF)\b", re.IGNORECASE)
 # what stands beside the word acceleration, and behind its unit
 _BESIDE = {
     *("time", "series", "history", "data", "values", "in", "en", "units", "unit", "of"),
@@ -72,12 +71,7 @@ def read(text: RecordText) -> list[Series]:
     count = text.count(found[1])
     dt = text.step(found[2]) * text.seconds(found[3])
     unit = _unit(text, *(above[-1] if above else ("", text.line - 1)))
-    samples, remark = _samples(text, count, dt)
-    trailer = None if remark else text.find(_SAID)
-    if trailer is not None and not _TRAILER.match(trailer[0]):
-        said = f"found {trailer[0].strip()[:60]!r} after the {count} values declared"
-        raise text.fault(f"{said}; expected nothing, or a line that says end")
-    return [Series(_upwards(above[:-1]), dt, samples, unit, remark=remark)]
+    return [Series(_upwards(above[:-1]), dt, _samples(text, count, dt), unit)]
 
 
 def _unit(text: RecordText, said: str, line: int) -> str:
@@ -105,33 +99,32 @@ def _unit(text: RecordText, said: str, line: int) -> str:
     return text.given.unit
 
 
-def _samples(text: RecordText, count: int, dt: float) -> tuple[np.ndarray, str]:
-    """(the samples, a remark if more follow); of lines of time and value the values."""
+def _samples(text: RecordText, count: int, dt: float) -> np.ndarray:
+    """The samples; of lines of time and value the values."""
     at, line = text.at, text.line
     first = text.raw[at : at + 1000].lstrip().split(b"\n", 1)[0].split()
     width = max(1, len(first))
     timed = width > 1 and _first_numbers_rise(text, width)
     doubled = len(text.raw[at:].split(None, 2 * count + 1)) >= 2 * count
     if width == 2 and (timed or doubled):
-        values = text.rows(count, 2)
+        values = text.rows(count, Layout(2))
         step = even_step(values[:, 0], text, line)
         if abs(step - dt) > 1e-3 * dt:
             raise text.fault(
                 f"times every {step:g} s, where the header states {dt:g} s", line
             )
-        return values[:, 1].copy(), text.surplus(count)
+        return values[:, 1].copy()
     samples = text.block(count)
-    remark = text.surplus(count)
-    more = len(text.raw[text.at :].split(None, count + 1)) if remark else 0
-    if remark and more >= count:
+    beyond = text.numbers_beyond() is not None
+    if beyond and len(text.raw[text.at :].split(None, count + 1)) >= count:
         raise text.fault(f"found more than twice the {count} values declared")
-    if remark and timed:
+    if beyond and timed:
         raise text.fault(
             "the first numbers of the lines rise, as times do; expected values alone,"
             " or a time and a value on each line",
             line,
         )
-    return samples, remark
+    return samples
 
 
 def _first_numbers_rise(text: RecordText, width: int) -> bool:

@@ -14,7 +14,6 @@ _KINDS = (
     " SPECTRA|FOURIER AMPLITUDE SPECTRA|UNKNOWN"
 )
 _FIRST = re.compile(rf"([0-9])\s+({_KINDS})", re.IGNORECASE)
-_MORE = re.compile(r"\S.*")
 _COMPONENT = re.compile(r"component\s*=\s*(\S.*?)\s*$", re.IGNORECASE)
 _TEXT, _INTEGERS, _REALS = 11, 48, 50
 _POINTS, _DIGITS = 16, 46  # places among the integers, from 0
@@ -48,11 +47,6 @@ def read(text: RecordText) -> list[Series]:
     samples = text.numbers(
         count, Layout(5, 14) if integers[_DIGITS] == 8 else Layout(8, 10)
     )
-    if (more := text.find(_MORE)) is not None:
-        raise text.fault(
-            f"found {more[0].strip()[:60]!r} after the {count} values declared;"
-            " expected the end of the file"
-        )
     return [
         Series(
             stated(_COMPONENT, lines),

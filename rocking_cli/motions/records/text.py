@@ -116,7 +116,8 @@ class RecordText:
         self.skipped = self._skip()  # lines above, which are not read
         # the beginning as text
         self.head = self.decoded(self.raw[self.at : self.at + HEAD])
-        self.counted = False  # True once `numbers` has read a number of them
+        # how many values the block that ends here has by its header, 0 behind a line
+        self.declared = 0
 
     def _skip(self) -> list[str]:
         """Pass over the lines that the user counts, and return them."""
@@ -153,8 +154,13 @@ class RecordText:
 
     def next_line(self) -> str | None:
         """Return the next line of words without its end, None after the last. Raises
-        DocumentError for one that is too long for words.
+        DocumentError for one that is too long for words, and for more numbers than the
+        block above it declares, on its last line or on the next.
         """
+        if self.declared and (beyond := self.numbers_beyond()) is not None:
+            found = f"found numbers after the {self.declared} values declared"
+            raise self.fault(found, beyond)
+        self.declared = 0
         line = self.any_line()
         self.require_short(line or "", self.line - 1)
         return line
@@ -325,37 +331,29 @@ class RecordText:
 
     # Blocks of numbers
 
-    def surplus(self, count: int) -> str:
-        """Return a remark if more numbers follow than the header declares."""
-        return (
-            f"more values than the {count} declared, which are left out"
-            if self._numbers_beyond() is not None
-            else ""
-        )
-
     def more_numbers(self) -> bool:
         """True if the next line that is not blank begins with a number."""
         rest = self.raw[self.at : self.at + 4096].split(None, 1)
         return bool(rest) and NUMBER.fullmatch(rest[0]) is not None
 
-    def words_behind(self) -> str:
-        """Return a remark if text that is not read follows what `numbers` has read."""
-        left = self.raw[self.at :].lstrip()
-        if not left or not self.counted:
+    def surplus(self) -> str:
+        """Return a remark if numbers or words follow the last block, other than a line
+        that says that the file ends.
+        """
+        if not self.declared:
             return ""
-        line = self.line + self.raw[self.at : len(self.raw) - len(left)].count(b"\n")
+        if self.numbers_beyond() is not None:
+            return f"more values than the {self.declared} declared, which are left out"
+        left = TRAILER.sub(b"", b"\n" + self.raw[self.at :]).lstrip()
+        if not left:
+            return ""
+        line = self.line + self.raw[self.at : self.raw.index(left, self.at)].count(
+            b"\n"
+        )
         words = self.decoded(left.split(b"\n", 1)[0]).strip()[:60]
         return f"{words!r} in line {line} and what follows, which are left out"
 
-    def require_end(self, count: int) -> None:
-        """Raise DocumentError if more numbers follow the `count` values that are
-        declared, on the same line or on the next.
-        """
-        line = self._numbers_beyond()
-        if line is not None:
-            raise self.fault(f"found numbers after the {count} values declared", line)
-
-    def _numbers_beyond(self) -> int | None:
+    def numbers_beyond(self) -> int | None:
         """The line of the next numbers, None if the file ends or other text follows,
         such as `2980 points of veloc data`.
         """
@@ -368,12 +366,15 @@ class RecordText:
             return None
         return self.line + ahead.partition(line)[0].count(b"\n")
 
-    def rows(self, count: int, columns: int) -> Array:
-        """Return the numbers of the next `count` lines, (count, columns). Raises
+    def rows(self, count: int, layout: Layout) -> Array:
+        """Return the numbers of the next `count` full lines, (count, columns). Raises
         DocumentError at a line that holds something else.
         """
-        at, first = self.at, self.line
-        values = self.numbers(count * columns, Layout(columns))
+        at, first, columns = self.at, self.line, layout.columns
+        values = self.numbers(count * columns, layout)
+        self.declared = count
+        if layout.width is not None:
+            return values.reshape(count, columns)
         each = words_on_lines(self.raw[at : self.at])
         odd = np.flatnonzero((each != columns) & (each != 0))
         if odd.size:
@@ -385,16 +386,15 @@ class RecordText:
 
     def numbers(self, count: int, layout: Layout) -> Array:
         """Return the next `count` numbers; the next place is behind the last, also
-        where more follow on its line, for `surplus` or `require_end`. Raises
-        DocumentError at a line that holds something else, or is not full in columns of
-        a fixed width.
+        where more follow on its line. Raises DocumentError at a line that holds
+        something else, or is not full in columns of a fixed width.
         """
         if count > len(self.raw) - self.at + 1:
             raise self.fault(
                 f"{count} values are declared, more than a file of {len(self.raw)}"
                 " bytes holds"
             )
-        at, first, self.counted = self.at, self.line, True
+        at, first, self.declared = self.at, self.line, count or self.declared
         if layout.width is None:
             taken = self._take(-(-count // layout.columns))
             for block in (taken, parted(taken)):
@@ -422,6 +422,7 @@ class RecordText:
         """Read past `count` numbers; stars may stand in their place. Raises
         DocumentError at a line that holds something else.
         """
+        self.declared = count or self.declared
         for row in self._rows(count, layout):
             for token in row:
                 if token.translate(None, OF_NUMBERS):

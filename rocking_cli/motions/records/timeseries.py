@@ -64,7 +64,6 @@ def _series(text: RecordText, said: re.Match[str]) -> Series:
         values = _pairs(text, count, dt)
     else:
         values = text.block(count)
-    text.require_end(count)
     parts = name.split("_")
     return Series(parts[3] if len(parts) > 3 else name, dt, values, unit)
 

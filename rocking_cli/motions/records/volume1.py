@@ -7,10 +7,9 @@ units of g. Format: (8f9.6)`.
 
 import re
 
-import numpy as np
-
+from .csmip import BLOCK, announced
 from .record import Series
-from .text import FORTRAN, Layout, RecordText, begins, fortran_layout, stated
+from .text import Layout, RecordText, begins, stated
 from .times import even_step
 
 NAME = "Volume 1"
@@ -24,19 +23,8 @@ _CHANNEL = re.compile(
 )
 _PGA = re.compile(r"\bMAX\s*=\s*([-+]?\d*\.\d+)\s*G\b", re.IGNORECASE)
 _TENTHS = re.compile(r"\b(UNITS)\b.*\bSEC\w* AND G/10\b", re.IGNORECASE)
-_BODY = re.compile(
-    r"^\s*(\d+)\s*accelerogram points at\s*([.\d]+)\s*pts/sec\s*in units"
-    rf" of\s*([a-z0-9/^]+).*?{FORTRAN}",
-    re.IGNORECASE,
-)
-_BODY_OF_1990 = re.compile(
-    r"^\s*(\d+)\s*points of accel\w* data equally spaced at\s*([.\d]+)\s*sec"
-    r".*?units?:?\s*([a-z0-9/^]+)",
-    re.IGNORECASE,
-)
 # lines, and that of the numbers, from 0, which begins with the sampling rate in BHRC's
 _TEXT, _NUMBERS, _RATE = (13, 14, 8)
-_IN_A_LINE = 8  # values of the 1990s on a line, in columns as wide as they need
 _PAIRS, _ALONE = Layout(10, 7), Layout(10, 13)
 
 # Test for GNS Science and COSMOS first: their files begin in the same way.
@@ -55,7 +43,12 @@ def read(text: RecordText) -> list[Series]:
             )
         count, unit = text.count(points), "g"
         if not stated(_TENTHS, lines):
-            dt, unit, samples = _announced(text, count)
+            example = "13200 Accelerogram points at 200 pts/sec in units of g."
+            said = text.like(BLOCK, f"{example} Format: (8f9.6)")
+            block = announced(text, said)
+            text.count(said["count"], same=count)
+            dt, unit = block.step, text.unit(block.unit)
+            samples = text.numbers(count, block.layout)
         elif first[1]:
             dt = text.step_of_rate(numbers[_RATE][: _ALONE.width])
             samples = text.numbers(count, _ALONE) / 10.0
@@ -63,7 +56,6 @@ def read(text: RecordText) -> list[Series]:
             line, pairs = text.line, text.numbers(2 * count, _PAIRS).reshape(count, 2)
             dt = even_step(pairs[:, 0], text, line, _PAIRS.columns // 2)
             samples = pairs[:, 1] / 10.0
-        text.require_end(count)
         text.agree(count, dt, length)
         found.append(
             Series(
@@ -75,24 +67,3 @@ def read(text: RecordText) -> list[Series]:
             )
         )
     return found
-
-
-def _announced(text: RecordText, count: int) -> tuple[float, str, np.ndarray]:
-    """(step [s], unit, samples) of the numbers that a line announces, in its present
-    form or in that of the 1990s.
-    """
-    line = text.next_line() or ""
-    of_1990 = _BODY_OF_1990.search(line)
-    body = of_1990 or _BODY.search(line)
-    if body is None:
-        example = (
-            "13200 Accelerogram points at 200 pts/sec in units of g. Format: (8f9.6)"
-        )
-        raise text.fault(f"found {line.strip()!r}; expected a line like {example}")
-    text.count(body[1], same=count)
-    unit = text.unit(body[3])
-    if of_1990 is None:
-        return text.step_of_rate(body[2]), unit, text.numbers(count, Layout.of(body))
-    first = text.raw[text.at : text.at + 200].split(b"\n", 1)[0].rstrip()
-    layout = fortran_layout(line) or Layout(_IN_A_LINE, len(first) // _IN_A_LINE)
-    return text.step(body[2]), unit, text.numbers(count, layout)

@@ -211,7 +211,7 @@ def test_another_number_in_the_header_is_refused_or_told(tmp_path, name, count):
 
     for record in read(count):
         assert record.npts == count
-        assert "more values" not in " ".join(record.remarks)
+        assert "left out" not in " ".join(record.remarks)
     whole = read(count)[0].acceleration
 
     for stated in {count - 1, count - written.per_line, count - count // 3}:
@@ -245,7 +245,9 @@ def test_another_number_in_the_first_of_two_channels(tmp_path, name, missing):
     assert all("more values than the 402" in " ".join(x.remarks) for x in found)
 
 
-@pytest.mark.parametrize("name", ["ESM", "K-NET", "AFAD", "CWB", "CSMNC", "ASA"])
+@pytest.mark.parametrize(
+    "name", ["ESM", "K-NET", "AFAD", "CWB", "CSMNC", "ASA", "PEER", "SMC"]
+)
 def test_a_second_record_in_a_file_of_one_is_told(tmp_path, name):
     written, samples = LAYOUTS[name], of_length(403)
     text = written.text(samples, 403)
@@ -271,7 +273,7 @@ def test_a_reader_that_forgets_what_follows_loses_nothing(tmp_path, monkeypatch)
     (tmp_path / "a").write_text("OURS\n" + rows(of_length(403), 8, "{:9.0f}"))
     (record,) = read_records(tmp_path / "a")
     assert record.npts == 402
-    assert "'0' in line 52 and what follows, which are left out" in record.remarks
+    assert "more values than the 402 declared, which are left out" in record.remarks
 
 
 def test_a_line_of_a_table_has_a_number_for_each_column(tmp_path):
