@@ -155,7 +155,7 @@ def counted(number: int, thing: str) -> str:
     return f"{number} {thing}{'' if number == 1 else 's'}"
 
 
-_NEAR = 0.7  # share of common letters from which a word is similar
+_NEAR = 0.65  # share of common letters from which a word is similar
 
 
 def did_you_mean(

@@ -25,7 +25,10 @@ from .figures.canvas import (
     Figure,
     Look,
     canvas,
+    fit_title,
+    legend,
     panels,
+    plain_ticks,
     require_axes,
 )
 from .figures.capacities import checked
@@ -168,6 +171,8 @@ def draw(
         _require_marks(axes, opened.name)
         _set_logarithmic(axes, log)
         _set_limits(axes, xlim, ylim)
+        if alone is not None:
+            fit_title(alone)
     return remark if isinstance(target, str | Path) else target
 
 
@@ -226,7 +231,9 @@ def _set_limits(
 def _set_logarithmic(axes: Sequence[Axes], log: str) -> None:
     """Make these scales logarithmic; log: x, y or xy."""
     for one in axes:
-        one.set(**{f"{axis}scale": "log" for axis in log})
+        for axis in log:
+            one.set(**{f"{axis}scale": "log"})
+            plain_ticks(getattr(one, f"{axis}axis"))
 
 
 def _place(
@@ -280,6 +287,10 @@ class OneAxes:
 
     def set_size_inches(self, *_: float) -> None:
         """Do nothing: the figure of the caller keeps its size."""
+
+    def legend(self, handles: Sequence[Any], **_: Any) -> None:
+        """Add a legend inside the Axes."""
+        legend(self._axes, handles)
 
     def add_subplot(self, *_: Any, **__: Any) -> Axes:
         """Return the Axes."""

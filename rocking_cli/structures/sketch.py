@@ -3,11 +3,19 @@
 import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, NamedTuple
 
 Point = tuple[float, float]
 Outline = tuple[Point, ...]
 Lines = tuple[tuple[str, Outline], ...]
+
+
+class Dimension(NamedTuple):
+    """A length that the document states, from a point to another, (x, z) [m]."""
+
+    start: Point
+    end: Point
+    beside: bool = True  # its line stands below the body or left of it
 
 
 @dataclass(frozen=True)
@@ -30,6 +38,9 @@ class Sketch:
     )
     # True if the first of the bodies is the circle of the radius of gyration
     gyration: bool = False
+    # the lengths that the document states; none for those at the foot and of the height
+    dimensions: tuple[Dimension, ...] = ()
+    remark: str = ""  # what it states besides, such as a radius and an angle
 
 
 def rocker(

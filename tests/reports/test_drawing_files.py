@@ -1,12 +1,33 @@
 """What can be drawn, and how: axes, legends, and tables that are refused."""
 
+import re
+
 import numpy as np
 import pytest
 from matplotlib.figure import Figure
 from support.axes import lines, numbers, same
 
-from rocking_cli import OutputError, UsageError
-from rocking_cli.reports.figures.canvas import Look, canvas, legend, line_style
+from rocking_cli import (
+    OutputError,
+    UsageError,
+    build_structure,
+    draw,
+    load_structures,
+    parse_documents,
+    parse_grid,
+    sine,
+    spectrum,
+)
+from rocking_cli.reports.figures.canvas import (
+    FIGURE_UNITS,
+    Look,
+    canvas,
+    legend,
+    line_style,
+    styled,
+)
+from rocking_cli.reports.figures.drawing import structure_axes
+from rocking_cli.structures.kinds import sketch_of
 
 
 @pytest.mark.parametrize(
@@ -16,6 +37,13 @@ from rocking_cli.reports.figures.canvas import Look, canvas, legend, line_style
 def test_axes_are_logarithmic_where_asked(drawn, spectrum_file, log, scales):
     (axes,) = drawn(spectrum_file, cut="Omega=5", log=log).axes
     assert (axes.get_xscale(), axes.get_yscale()) == scales
+    for axis, scale in zip((axes.xaxis, axes.yaxis), scales, strict=True):
+        if scale == "log":  # plain numbers, which do not overlap
+            steps = [
+                x / 10.0 ** np.floor(np.log10(x)) for x in axis.get_majorticklocs()
+            ]
+            assert {round(x, 9) for x in steps} <= {1.0, 2.0, 5.0}
+            assert axis.get_major_formatter()(0.5) == "0.5"
 
 
 def test_accuracy_is_error_over_time(drawn, table):
@@ -46,10 +74,9 @@ def test_accuracy_is_error_over_time(drawn, table):
 def test_a_legend_stands_below_the_axes_or_if_it_is_long_beside_them(
     count, name, grows
 ):
-    for figure, room in (
-        (Figure(layout="constrained"), True),
-        (Figure(), False),
-    ):  # the latter of a caller makes no room outside
+    for room in (True, False):  # Axes of a caller have no room outside
+        with styled(Look()) as own:
+            figure = own if room else Figure(layout="constrained")
         size = figure.get_size_inches().copy()
         axes = figure.add_subplot()
         for i in range(count):
@@ -137,3 +164,42 @@ def test_a_figure_has_the_size_the_title_and_the_style_asked_for_and_its_texts_a
         canvas(tmp_path / "z.png", look=Look(style="none.mplstyle")),
     ):
         pass
+
+
+def test_a_drawing_in_narrow_axes_keeps_legend_and_title_inside():
+    """A column of a journal is 85 mm wide."""
+    figure = Figure(figsize=(3.35, 2.8), layout="constrained", dpi=100)
+    axes = figure.add_subplot()
+    (body,) = load_structures("block:0.5x2")
+    found = spectrum([body], sine(), parse_grid("a_g=0.1g:1g:6,f_g=0.5:3:6"), check=0)
+    draw(found, axes)
+    figure.draw_without_rendering()
+    assert not figure.legends
+    frame = axes.get_window_extent()
+    inside = axes.get_legend().get_window_extent()
+    assert frame.x0 <= inside.x0 < inside.x1 <= frame.x1
+    assert frame.y0 <= inside.y0 < inside.y1 <= frame.y1
+    title = axes.title.get_window_extent()
+    assert 0.0 <= title.x0 < title.x1 <= figure.bbox.x1
+
+
+@pytest.mark.parametrize(
+    ("keys", "lengths", "said"),
+    [
+        ("span: 12 m, rise: 4 m, thickness: 0.8 m", {"12 m", "4 m", "0.8 m"}, ""),
+        (
+            "radius: 10 m, angle: 157.5 deg, thickness: 1.5 m",
+            {"1.5 m"},
+            "radius 10 m, angle 157.5°",
+        ),
+    ],
+)
+def test_an_arch_is_drawn_with_the_dimensions_of_its_document(keys, lengths, said):
+    with styled(Look()) as figure:
+        axes = figure.add_subplot()
+        (document,) = parse_documents(f"{{kind: arch, name: A, {keys}}}")
+        structure = build_structure(document)
+        structure_axes(axes, structure, sketch_of(document, structure), FIGURE_UNITS)
+    texts = {text.get_text() for text in axes.texts}
+    assert {text for text in texts if re.fullmatch(r"[\d.]+ m", text)} == lengths
+    assert said == "" or said in texts

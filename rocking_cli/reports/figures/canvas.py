@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from textwrap import fill
 from typing import TYPE_CHECKING, Any
+from weakref import WeakSet
 
 import numpy as np
 
@@ -93,6 +94,7 @@ SYMBOLS = {
     "pgv_pga": "PGV/PGA",
 }
 SOURCE = "file"  # a column that names the file of each row, where several are drawn
+_OWN: WeakSet[Any] = WeakSet()  # the figures of `styled`
 DRAWN_WITH = ("figures need", "matplotlib")  # the arguments of `require`
 PLAIN = {"m/s2": "m/s²", "cm/s2": "cm/s²"}
 
@@ -161,6 +163,22 @@ class Look:
         return min(1.0, max(0.6, self.width / _INCH / natural))
 
 
+def is_own(axes: Axes) -> bool:
+    """True for Axes of a figure that `styled` makes, False for those of the caller,
+    around which there is no room.
+    """
+    return axes.figure in _OWN
+
+
+def fit_title(axes: Axes) -> None:
+    """Break the title of Axes of the caller into lines that are as wide as the Axes."""
+    figure: Any = axes.figure
+    wide = axes.get_position().width * figure.get_size_inches()[0] * _POINTS
+    room = max(int(wide / (0.55 * float(axes.title.get_fontsize()))), 12)
+    lines = axes.get_title().splitlines()
+    axes.set_title("\n".join(fill(line, room) for line in lines), fontsize="small")
+
+
 def require_axes(target: Any) -> Axes:
     """Return Axes of matplotlib. Raises ArgumentError for another target."""
     if not all(hasattr(target, name) for name in ("plot", "get_xlim", "figure")):
@@ -190,7 +208,9 @@ def styled(look: Look, instead: str = "", natural: float = WIDTH) -> Iterator[Fi
                     f"{look.style}: cannot be read as a style of matplotlib: {error}"
                 ) from None
         mpl.rcParams["font.size"] *= look.text_share(natural)
-        yield Figure(figsize=(WIDTH, 4.0))
+        figure = Figure(figsize=(WIDTH, 4.0))
+        _OWN.add(figure)
+        yield figure
 
 
 @contextmanager
@@ -411,6 +431,17 @@ def panels(figure: Figure, count: int) -> list[Axes]:
     return axes[:count]
 
 
+def plain_ticks(axis: Any) -> None:
+    """Write the values 1, 2 and 5 of each decade of a logarithmic axis as plain
+    numbers.
+    """
+    from matplotlib.ticker import LogLocator, NullFormatter
+
+    axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+    axis.set_major_formatter("{x:g}")
+    axis.set_minor_formatter(NullFormatter())
+
+
 def legend(axes: Axes, handles: Sequence[Any] | None = None) -> None:
     """Add a legend below the figure if it is short, else beside it; none for a single
     line.
@@ -421,9 +452,9 @@ def legend(axes: Axes, handles: Sequence[Any] | None = None) -> None:
     figure: Any = axes.figure
     longest = max(len(str(entry.get_label())) for entry in entries)
     width, height = figure.get_size_inches()
-    # a figure of the caller, which makes no room outside
-    if figure.get_layout_engine() is None:
-        axes.legend(handles=entries)
+    # Axes of the caller, around which nothing makes room
+    if not is_own(axes):
+        axes.legend(handles=entries, fontsize="x-small", loc="best")
     elif len(entries) <= 6 and longest <= 30:
         across = min(len(entries), max(1, int(width / (0.065 * longest + 0.6))))
         figure.legend(handles=entries, loc="outside lower center", ncols=across)

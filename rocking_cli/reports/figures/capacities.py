@@ -17,7 +17,16 @@ from ...documents.quantities import DEFAULT_GRAVITY
 from ...dynamics.outcome import Outcome
 from ...errors import ArgumentError, UsageError
 from ..tables import Above
-from .canvas import Axes, Figure, Look, canvas, literal, motion_in_words, panels
+from .canvas import (
+    Axes,
+    Figure,
+    Look,
+    canvas,
+    is_own,
+    literal,
+    motion_in_words,
+    panels,
+)
 from .colours import COLOURS
 
 if TYPE_CHECKING:
@@ -145,14 +154,16 @@ def capacities(figure: Figure, verdicts: Sequence[Verdict], in_g: bool) -> Axes:
         )
         / unit
     )
+    own = is_own(axes)  # else the words stand inside
     for row, v in enumerate(verdicts):
         _plot_bar(axes, row, v, unit)
         axes.annotate(
             _verdict_in_words(v),
             (1.0, row),
             xycoords=("axes fraction", "data"),
-            xytext=(6, 0),
+            xytext=(6 if own else -4, 0),
             textcoords="offset points",
+            ha="left" if own else "right",
             va="center",
             fontsize="small",
         )
@@ -178,7 +189,7 @@ def capacities(figure: Figure, verdicts: Sequence[Verdict], in_g: bool) -> Axes:
     axes.set(
         xlim=(0.0, most),
         xlabel=(
-            f"a_g [{'g' if in_g else 'm/s²'}]\nbar: to the first overturning; dots:"
+            f"$a_g$ [{'g' if in_g else 'm/s²'}]\nbar: to the first overturning; dots:"
             " uplift; line: demand"
         ),
     )

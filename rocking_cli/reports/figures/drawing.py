@@ -268,6 +268,9 @@ def _plot_dimensions(
     """Draw lines of dimension: the width at the foot and the height, of a body known by
     its mass centre those of the edges and the centre; base: z in the unit of the axes.
     """
+    if sketch.dimensions:
+        _plot_stated(axes, sketch, base, metre, unit)
+        return
     points = [point for outline in sketch.bodies for point in outline]
     foot = min(z for _, z in points) / metre
     feet = [x / metre for x, z in points if abs(z / metre - foot) < 1e-9]
@@ -284,15 +287,54 @@ def _plot_dimensions(
     axes.update_datalim([(edge - 2.5 * away, base - 2.0 * away)])
 
 
-def _plot_dimension(
-    axes: Axes, start: Point, end: Point, text: str, rotation: float = 0.0
+def _plot_stated(
+    axes: Axes, sketch: Sketch, base: float, metre: float, unit: str
 ) -> None:
-    """Draw a line with an arrow at both ends and its length beside it."""
+    """Draw the lines of the dimensions that a sketch states, and its remark; base: z in
+    the unit of the axes.
+    """
+    edge = axes.dataLim.x0
+    away = 0.06 * max(axes.dataLim.width, axes.dataLim.height)
+    for one in sketch.dimensions:
+        (x0, z0), (x1, z1) = (_in_unit([p], metre)[0] for p in (one.start, one.end))
+        upright = x0 == x1
+        if one.beside and upright:
+            x0 = x1 = edge - away
+        elif one.beside:
+            z0 = z1 = base - away
+        length = f"{math.hypot(x1 - x0, z1 - z0):.3g} {unit}"
+        turn = 90.0 * (upright and one.beside)
+        _plot_dimension(axes, (x0, z0), (x1, z1), length, turn, inside=not one.beside)
+    if sketch.remark:
+        middle = axes.dataLim.x0 + 0.5 * axes.dataLim.width
+        axes.annotate(
+            sketch.remark,
+            (middle, base - away),
+            ha="center",
+            va="top",
+            color="0.3",
+            fontsize="x-small",
+        )
+    axes.update_datalim([(edge - 2.5 * away, base - 2.0 * away)])
+
+
+def _plot_dimension(
+    axes: Axes,
+    start: Point,
+    end: Point,
+    text: str,
+    rotation: float = 0.0,
+    *,
+    inside: bool = False,
+) -> None:
+    """Draw a line with an arrow at both ends and its length beside it; inside: the
+    length stands below the line, as beside it there is no room.
+    """
     arrow = {"arrowstyle": "<->", "lw": 0.6, "color": "0.4", "shrinkA": 0, "shrinkB": 0}
     axes.annotate("", start, end, arrowprops=arrow)
     axes.annotate(
         text,
-        (0.5 * (start[0] + end[0]), 0.5 * (start[1] + end[1])),
+        start if inside else (0.5 * (start[0] + end[0]), 0.5 * (start[1] + end[1])),
         xytext=(-4, 0) if rotation else (0, -4),
         textcoords="offset points",
         ha="right" if rotation else "center",

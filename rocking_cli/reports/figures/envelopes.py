@@ -103,7 +103,10 @@ def bands(figure: Figure, rows: Rows, units: Units) -> list[Axes]:
             filter(None, (title, heading(some, units, "motion", "model")))
         )
         axes.set(ylabel=label("a_g" if amplitude == "a" else "A", units), title=title)
-    legend(drawn[0], list(entries.values()))
+    from matplotlib.patches import Patch
+
+    stands = Patch(facecolor="white", edgecolor="0.5", label="stands")
+    legend(drawn[0], [*entries.values(), stands])
     return drawn
 
 
@@ -130,7 +133,7 @@ def _stop_at(axes: Axes, most: float | None, units: Units) -> None:
         return
     axes.set_ylim(0.0, most)
     axes.annotate(
-        f"↑ {top / _MARGIN:.3g} {units.of('acceleration')[0]}",
+        f"intervals up to {top / _MARGIN:.3g} {units.of('acceleration')[0]}",
         (1.0, 1.0),
         xycoords="axes fraction",
         xytext=(0, 3),
@@ -169,14 +172,19 @@ def _draw(
             (float(a), float(b), float(c))
             for a, b, c in zip(x[mine], low[mine], upto[mine], strict=True)
         ]
+        areas = list(_joined(intervals, frequencies))
+        joined = {x for area in areas for x, _ in area}
         axes.add_collection(
             PolyCollection(
-                list(_joined(intervals, frequencies)),
+                areas,
                 facecolors=COLOURS[outcome],
-                edgecolors="none",
+                edgecolors=COLOURS[outcome],
+                linewidths=0.3,  # no seam between neighbours
             )
         )
-        axes.vlines(*np.array(intervals).T, color=COLOURS[outcome], lw=width)
+        alone = [one for one in intervals if not frequencies or one[0] not in joined]
+        if alone:  # a line at a place that is joined would end beyond the corner
+            axes.vlines(*np.array(alone).T, color=COLOURS[outcome], lw=width)
         if ends[1] not in some[0]:
             axes.plot(x[mine], low[mine], "o", color=COLOURS[outcome], ms=4.0)
         words = outcome.sentence

@@ -22,6 +22,7 @@ from .canvas import (
     line_style,
     literal,
     panels,
+    plain_ticks,
 )
 
 MEASURE_LABELS = {
@@ -63,10 +64,33 @@ def fragility_curves(figure: Figure, rows: Rows, units: Units) -> list[Axes]:
         title=literal(", ".join(common)),
     )
     axes.set_xlim(left=0.0)
+    _explain(axes, lines)
     if "hazard" in rows[0]:
         _with_hazard(axes, lines, factor)
     legend(axes)
     return [axes]
+
+
+def _explain(axes: Axes, lines: Sequence[Rows]) -> None:
+    """Add what dashes and bands mean to the legend, if there are any, and which states
+    lie below others.
+    """
+    if not any(row["probability"] for some in lines for row in some):
+        return
+    if any(row["low"] for some in lines for row in some):
+        band: dict[str, Any] = {"fc": "0.93", "ec": "0.3", "lw": 0.7, "ls": ":"}
+        axes.fill_between([], [], label="95 % band of the fit", **band)
+    axes.plot([], [], color="0.3", ls="--", label="beyond the last level")
+    axes.plot([], [], color="0.3", ls="", marker="o", ms=4.0, label="observed share")
+    for i, some in enumerate(lines):
+        for other in lines[:i]:
+            texts = [
+                [(r["x"], r["probability"]) for r in rows] for rows in (some, other)
+            ]
+            if texts[0] == texts[1]:
+                words = [rows[0]["limit_state"] for rows in (some, other)]
+                said = f"{words[0]}: as {words[1]}"
+                axes.plot([], [], ls="", label=literal(said))
 
 
 def _limit_in_words(limit: str) -> str:
@@ -167,7 +191,9 @@ def two_measures(figure: Figure, rows: Rows, units: Units) -> list[Axes]:
             ylabel=label("pgv_pga", units),
             title=literal(name),
         )
-        _set_ticks(axes)
+        axes.margins(0.08)  # cells on the frame are whole
+        for axis in (axes.xaxis, axes.yaxis):
+            plain_ticks(axis)
         legend(axes)
     return drawn
 
@@ -195,16 +221,6 @@ def _plot_probabilities(
         fmt=lambda u: f"P = {ndtr(u):.2g}",
         fontsize="x-small",
     )
-
-
-def _set_ticks(axes: Axes) -> None:
-    """Write the values 1, 2 and 5 of each decade as plain numbers."""
-    from matplotlib.ticker import LogLocator, NullFormatter
-
-    for axis in (axes.xaxis, axes.yaxis):
-        axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
-        axis.set_major_formatter("{x:g}")
-        axis.set_minor_formatter(NullFormatter())
 
 
 def overturning_spectra(figure: Figure, rows: Rows, _: Units) -> list[Axes]:

@@ -11,7 +11,7 @@ from ...dynamics.outcome import Outcome
 from ...errors import UsageError
 from ...spectra.file.reader import SpectraFile
 from ..units import Units
-from .canvas import DASHES, Axes, label, literal, titled
+from .canvas import DASHES, Axes, label, literal, motion_in_words, titled
 from .colours import COLOURS, DIFFERENCES
 from .slices import plane
 
@@ -116,7 +116,8 @@ def _title(file: SpectraFile, place: int) -> str:
         )
     s = file.structures[place]
     return (
-        f"{titled(s.name, s.eta)}\n{literal(file.scene['motion'][0])}, {model} equation"
+        f"{titled(s.name, s.eta)}\n"
+        f"{literal(motion_in_words(file.scene['motion'][0]))}, {model} equation"
     )
 
 

@@ -7,7 +7,9 @@ parameters follow from the linkage, linearised at its unstable equilibrium (Eqs.
 """
 
 import math
+from dataclasses import replace
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 
@@ -30,7 +32,7 @@ from ..mechanics.ring import (
 )
 from ..parameters import RockingParameters
 from ..shared_keys import gravity_of, restitution_of
-from ..sketch import Sketch
+from ..sketch import Dimension, Sketch
 
 REPORTS = ("a_scale_3_7", "hinges", "direction", "lambda_governing")
 SIZES = ("radius", "thickness", "angle")
@@ -260,9 +262,27 @@ def sketch(document: Document, built: RockingParameters) -> Sketch:
     """Return a sketch with the voussoirs (or the links of a continuous arch), the
     numbered hinges, and the linkage at alpha.
     """
-    found = built.mechanism
-    assert isinstance(found, ArchLinkage)
-    linkage = arch_linkage(found.ring, found.angles, found.voussoirs, images=False)
-    return drawn(
+    own = built.mechanism
+    assert isinstance(own, ArchLinkage)
+    ring = own.ring
+    linkage = arch_linkage(ring, own.angles, own.voussoirs, images=False)
+    found = drawn(
         linkage, built.alpha, built.gravity, right=linkage, left=None, axis=0.0
     )
+    return replace(found, **_dimensions(document, ring))
+
+
+def _dimensions(document: Document, ring: Ring) -> dict[str, Any]:
+    """Return the fields of a sketch on the lengths that the document states: thickness
+    with span and rise, or with radius and angle.
+    """
+    radius = ring.radius - MEASURED[document.choice("measured")] * ring.thickness
+    x, z = (radius * f(0.5 * ring.angle) for f in (math.sin, math.cos))
+    half = 0.5 * ring.thickness
+    lengths = [Dimension((0.0, ring.radius - half), (0.0, ring.radius + half), False)]
+    if document.has("span"):
+        lengths += [Dimension((-x, z), (x, z)), Dimension((-x, z), (-x, radius))]
+        return {"dimensions": tuple(lengths)}
+    inclusion = f"{math.degrees(ring.angle):.4g}°"
+    remark = f"radius {radius:.4g} m, angle {inclusion}"
+    return {"dimensions": tuple(lengths), "remark": remark}

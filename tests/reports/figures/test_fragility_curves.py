@@ -17,13 +17,33 @@ def test_a_fragility_curve_is_dashed_beyond_its_last_level(drawn):
         )
     ).axes
     assert axes.get_ylabel() == "P(θ/α > 0.5 | PGA)"
-    solid, dashed, _ = axes.get_lines()
+    solid, dashed = axes.get_lines()[:2]
+    named = axes.get_legend_handles_labels()[1]
+    assert "beyond the last level" in named
+    assert "95 % band of the fit" not in named  # the rows have none
     assert (solid.get_xdata()[-1], dashed.get_xdata()[0], dashed.get_linestyle()) == (
         20 / 9.81,
         20 / 9.81,
         "--",
     )
     assert axes.get_title() == "S, stripes"
+
+
+def test_a_state_below_another_one_is_named(drawn):
+    """theta/alpha > 1 and overturning of the same motions are one curve."""
+    head = "structure,im,limit_state,method,x,probability,low,high,fraction\n"
+    (axes,) = drawn(
+        head
+        + "".join(
+            f"S,PGA,{state},stripes,{x},{x / most},{x / 60},{x / 40},\n"
+            for state, most in (("0.5", 40), ("1", 50), ("overturning", 50))
+            for x in (5, 10, 20)
+        )
+    ).axes
+    named = axes.get_legend_handles_labels()[1]
+    assert "overturning: as θ/α > 1" in named
+    assert "95 % band of the fit" in named
+    assert len([name for name in named if ": as " in name]) == 1
 
 
 def test_fragility_over_two_measures_has_its_cells_and_lines_of_equal_probability(

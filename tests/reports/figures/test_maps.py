@@ -54,7 +54,7 @@ def test_a_map_shows_the_outcome_of_every_cell(figure, spectrum_file):
         r"$\Omega = \omega_g/p$ [-]",
         r"$A = a_{scale}\,a_g/(\alpha g)$ [-]",
     )
-    assert axes.get_title() == "$\\eta$ = 0.9\nsine, 1 cycle, linear equation"
+    assert axes.get_title() == "$\\eta$ = 0.9\none cycle of a sine, linear equation"
 
 
 def test_its_curves_go_up_to_their_nose_and_have_their_names_on_them(figure):
