@@ -43,10 +43,10 @@ from .motions import Motion as Motion
 from .motions import cosine as cosine
 from .motions import pulse as pulse
 from .motions import sine as sine
+from .motions.building_modes import FloorMode as FloorMode
 from .motions.buildings import Building as Building
 from .motions.buildings import floor_of as floor_of
 from .motions.buildings import parse_building as parse_building
-from .motions.design_spectra import FloorMode as FloorMode
 from .motions.design_spectra import SpectrumFile as SpectrumFile
 from .motions.design_spectra import read_spectrum as read_spectrum
 from .motions.given import HasMotion as HasMotion

@@ -7,8 +7,9 @@ from typing import Any
 
 from ..dynamics.method import governing_method
 from ..errors import UsageError
+from ..motions.building_modes import parse_mode
 from ..motions.buildings import Building
-from ..motions.design_spectra import parse_floor, read_spectrum
+from ..motions.design_spectra import read_spectrum
 from ..reports.figures.capacities import code_demand_in_words, draw_capacity_curves
 from ..reports.wording import verified_in_words
 from ..responses.check import Demand
@@ -56,7 +57,7 @@ class CodeRows:
         self.given: dict[str, Any] = {
             "site": read.get("slv"),
             "site_slc": read.get("slc"),
-            "floor": [parse_floor(text) for text in floor],
+            "floor": [parse_mode(text, "floor") for text in floor],
             "confidence": 1.0 if fc is None else fc,
         }
         # for each structure and motion (check, demand, True if an equation of motion
@@ -75,8 +76,7 @@ class CodeRows:
         floor = self.given["floor"]
         if building is None or not floor:
             return
-        own = {(m.period, m.damping, m.gamma_psi) for m in floor}
-        if own != set(map(tuple, building.modes)):
+        if set(floor) != set(building.modes):
             raise UsageError(
                 "--floor and --building state two floors; expected the same modes in"
                 " both, for the code and for the dynamics"

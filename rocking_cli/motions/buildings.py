@@ -4,9 +4,7 @@
 
 The rest 1 - sum gamma_psi moves with the ground (missing mass). With
 z = u' - conj(s) u, s = w (-xi + i sqrt(1 - xi^2)), it is z' = s z - x_g'', which has an
-exact recurrence under straight lines (Nigam and Jennings 1969) and under sinusoids:
-
-    z(h) = E z - a0 (E - 1)/s - (a1 - a0) (E - 1 - s h)/(s^2 h),   E = exp(s h)
+exact recurrence under straight lines (response_spectra.py) and under sinusoids.
 
 Inside a step of a straight line u'' is a free vibration e^(-xi w t) (C cos w_d t + S
 sin w_d t), because the forced part of u is linear: C = u'' at its start, S = (u''' + xi
@@ -25,12 +23,13 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from ..arrays import Array
-from ..documents.quantities import quantity_at
 from ..errors import UsageError
 from .blocks import largest
+from .building_modes import FloorMode, parse_mode
 from .given import AnyMotion, motion_from
 from .motion import Floor, Motion, Piece, upwards
 from .polyline import Polyline
+from .response_spectra import gain, rise
 
 if TYPE_CHECKING:
     from .records.record import Record
@@ -40,18 +39,6 @@ CHORD = 1e-3  # of the largest acceleration of the floor
 TAIL = 1e-3  # of it, that the free vibration has at the end
 CYCLE = 400  # steps in a cycle of a pulse
 MOST = 10_000_000  # steps of a floor's motion
-SHORTEST, LONGEST = 1e-3, 1e3  # periods of a mode [s]
-LARGEST = 1e3  # gamma_psi of a mode, of either sign
-_KEYS = {"T": "time", "xi": "number", "gamma_psi": "number"}
-_FORM = "T=…,xi=…[,gamma_psi=…], such as T=0.4,xi=0.05,gamma_psi=1.3"
-
-
-class BuildingMode(NamedTuple):
-    """A mode of a building."""
-
-    period: float  # T [s]
-    damping: float  # xi [-]
-    gamma_psi: float = 1.0  # its participation times its shape at the floor [-]
 
 
 @dataclass(frozen=True)
@@ -71,7 +58,7 @@ class Building:
     'floor of T 0.4 s'
     """
 
-    modes: tuple[BuildingMode, ...]
+    modes: tuple[FloorMode, ...]
 
     @property
     def name(self) -> str:
@@ -115,14 +102,14 @@ def parse_building(texts: Sequence[str]) -> Building | None:
     ------
     UsageError
         for other keys, a period outside 0.001 to 1000 s, a damping ratio outside 0 to
-        1, a gamma_psi beyond 1000, and two modes of one period
+        1, a gamma_psi of zero or beyond 1000, and two modes of one period
 
     Examples
     --------
     >>> parse_building(["T=0.4,xi=0.05"]).modes
-    (BuildingMode(period=0.4, damping=0.05, gamma_psi=1.0),)
+    (FloorMode(period=0.4, damping=0.05, gamma_psi=1.0),)
     """
-    modes = tuple(map(_parse_mode, texts))
+    modes = tuple(parse_mode(text) for text in texts)
     periods = [mode.period for mode in modes]
     if twice := [x for x in periods if periods.count(x) > 1]:
         raise UsageError(
@@ -130,41 +117,6 @@ def parse_building(texts: Sequence[str]) -> Building | None:
             " each period"
         )
     return Building(modes) if modes else None
-
-
-def _parse_mode(text: str) -> BuildingMode:
-    parts = [part.partition("=") for part in text.split(",")]
-    keys = [key.strip() for key, _, _ in parts]
-    given = {key.strip(): value.strip() for key, _, value in parts}
-    missing = [key for key in ("T", "xi") if key not in given]
-    unknown = [key for key in keys if key not in _KEYS]
-    if missing or unknown or len(given) < len(keys):
-        why = f"no {missing[0]} in " if missing and not unknown else ""
-        raise UsageError(f"`building`: found {why}{text!r}; expected {_FORM}")
-    found = {
-        key: quantity_at(f"`building`: {key}", value, _KEYS[key])
-        for key, value in given.items()
-    }
-    mode = BuildingMode(found["T"], found["xi"], found.get("gamma_psi", 1.0))
-    if not SHORTEST <= mode.period <= LONGEST:
-        raise UsageError(
-            f"`building`: found T={given['T']}; expected a period from {SHORTEST:g} to"
-            f" {LONGEST:g} s"
-        )
-    if not abs(mode.gamma_psi) <= LARGEST:
-        raise UsageError(
-            f"`building`: found gamma_psi={given['gamma_psi']}; expected a number from"
-            f" {-LARGEST:g} to {LARGEST:g}"
-        )
-    if not 0.0 < mode.damping < 1.0:
-        percent = 1.0 <= mode.damping < 100.0
-        hint = f"; did you mean {mode.damping / 100.0:g}?" if percent else ""
-        zero = ", without which the floor never rests" if mode.damping == 0.0 else ""
-        raise UsageError(
-            f"`building`: found xi={given['xi']}; expected a ratio of critical damping"
-            f" above 0 and below 1{zero}{hint}"
-        )
-    return mode
 
 
 class _LinearSteps(NamedTuple):
@@ -243,8 +195,7 @@ class _LinearSteps(NamedTuple):
         """
         h = self.length
         grows = np.exp(s * h)
-        force = -self.line[0] * (grows - 1.0) / s
-        force -= self.rise * (grows - 1.0 - s * h) / (s * s)
+        force = -self.line[0] * gain(s, h) - (self.line[1] - self.line[0]) * rise(s, h)
         for sign in (1.0, -1.0):  # sin x = (e^ix - e^-ix)/2i
             turn = sign * 1j * self.rate
             share = (np.exp(turn * h) - grows) / (turn - s)
@@ -277,7 +228,7 @@ class _Vibration(NamedTuple):
     left: complex  # z after the last step, the ground at rest
 
 
-def _answer(steps: _LinearSteps, mode: BuildingMode) -> _Vibration:
+def _answer(steps: _LinearSteps, mode: FloorMode) -> _Vibration:
     """Return the vibration of a mode from rest."""
     w, xi = 2.0 * math.pi / mode.period, mode.damping
     w_d = w * math.sqrt(1.0 - xi * xi)
@@ -351,7 +302,7 @@ def floor_of(
     """
     ground = motion_from(ground)
     if isinstance(building, str):
-        building = Building((_parse_mode(building),))
+        building = Building((parse_mode(building),))
     whole = _LinearSteps.of(ground, omega)
     parts = 1
     while True:
@@ -439,7 +390,7 @@ def _chord(
     return float(most) / 8.0
 
 
-def _free(mode: BuildingMode, z: complex, times: Array) -> tuple[Array, float]:
+def _free(mode: FloorMode, z: complex, times: Array) -> tuple[Array, float]:
     """Return (u'' of free vibration at times [s], its amplitude at time 0)."""
     w, xi = 2.0 * math.pi / mode.period, mode.damping
     w_d = w * math.sqrt(1.0 - xi * xi)

@@ -16,13 +16,13 @@ import numpy as np
 
 from ..arrays import Array
 from ..documents.files import named_after, read_bytes
-from ..documents.quantities import parse_quantity, quantity_at, split_quantity
+from ..documents.quantities import parse_quantity, split_quantity
 from ..documents.table import Cell, rows_of
 from ..documents.texts import text_of
 from ..errors import ArgumentError, DocumentError, UsageError, counted
 from ..showing import Shown
 from .blocks import largest
-from .buildings import LARGEST, LONGEST, SHORTEST
+from .building_modes import FloorMode
 from .motion import Motion
 from .records.record import Record
 from .response_spectra import DAMPING, acceleration_spectrum, displacement_spectrum
@@ -34,8 +34,6 @@ _LEVELS = ("S_a", "Sa", "Se")  # headings of the accelerations of a file
 # s, the longest first period of a file, whose S_a is the peak ground acceleration
 _FIRST = 0.03
 _A, _B = 0.8, 1.1  # ends of the plateau of a floor spectrum, over T_k (C7.2.6-8)
-_FLOOR = "T=TIME,xi=RATIO,gamma_psi=NUMBER"
-_FLOOR_KEYS = {"T": "time", "xi": "number", "gamma_psi": "number"}
 
 
 @dataclass(frozen=True)
@@ -207,27 +205,6 @@ class SpectrumFile(Shown):
 
 
 @dataclass(frozen=True)
-class FloorMode:
-    """A mode of the building that carries a structure, for `code_check`.
-
-    Attributes
-    ----------
-    period: [s]
-    damping: ratio of critical damping [-]
-    gamma_psi: its participation times its shape at the floor [-]
-
-    Examples
-    --------
-    >>> FloorMode(period=0.4, damping=0.05, gamma_psi=1.2).period
-    0.4
-    """
-
-    period: float  # [s]
-    damping: float  # ratio of critical damping [-]
-    gamma_psi: float  # its participation times its shape at the floor [-]
-
-
-@dataclass(frozen=True)
 class FloorSpectrum:
     """The spectrum on a floor of a building."""
 
@@ -370,27 +347,3 @@ def _fault(cell: Cell, wanted: str, lacks: str = "") -> DocumentError:
     return DocumentError(
         f"{cell.place}: {cell.key}: found {cell.text!r}{lacks}; expected {wanted}"
     )
-
-
-def parse_floor(text: str) -> FloorMode:
-    """Return the mode that `T=0.4,xi=0.05,gamma_psi=1.3` states. Raises UsageError."""
-    parts = [part.partition("=") for part in text.split(",")]
-    given = {key.strip(): value for key, _, value in parts}
-    if len(parts) != 3 or given.keys() != _FLOOR_KEYS.keys():
-        raise UsageError(f"`floor`: found {text!r}; expected {_FLOOR}")
-    found = {}
-    for key, dimension in _FLOOR_KEYS.items():
-        hint = ", such as 0.05 for 5 %" if key == "xi" else ""
-        found[key] = quantity_at(f"`floor`: {key}", given[key], dimension, hint=hint)
-    period, damping, shape = found.values()
-    if not (
-        SHORTEST <= period <= LONGEST
-        and 0.0 < damping < 1.0
-        and 0.0 < abs(shape) <= LARGEST
-    ):
-        raise UsageError(
-            f"`floor`: found {text!r}; expected T from {SHORTEST:g} to {LONGEST:g} s,"
-            " xi between 0 and 1, and a gamma_psi that is not zero, up to"
-            f" {LARGEST:g}"
-        )
-    return FloorMode(period, damping, shape)

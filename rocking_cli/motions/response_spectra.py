@@ -190,7 +190,7 @@ def _at_samples(a: Array, h: float, s: Array) -> Array:
     """
     # What each step adds to the state ...
     z = np.zeros((len(a), s.size), dtype=complex)
-    z[1:] = -a[:-1] * _gain(s, h) - np.diff(a, axis=0) * _rise(s, h)
+    z[1:] = -a[:-1] * gain(s, h) - np.diff(a, axis=0) * rise(s, h)
     # ... and the sums of all that came before, each decayed by exp(s h) a step, over
     # twice as many steps each time.
     factor, reach = np.exp(s * h), 1
@@ -218,7 +218,7 @@ def _include_turns(
     a0, slope, s, w = a[k, 0], (a[k + 1, 0] - a[k, 0]) / h, s[i], w[i]
     t = h * v[k, i] / (v[k, i] - v[k + 1, i])
     for _ in range(4):  # Newton's method
-        there = np.exp(s * t) * z[k, i] - a0 * _gain(s, t) - slope * t * _rise(s, t)
+        there = np.exp(s * t) * z[k, i] - a0 * gain(s, t) - slope * t * rise(s, t)
         displacement = there.imag / s.imag
         speed = there.real - damping * w * there.imag / s.imag
         acceleration = -2.0 * damping * w * speed - w**2 * displacement - a0 - slope * t
@@ -228,12 +228,12 @@ def _include_turns(
     np.maximum.at(most, i, np.abs(displacement))
 
 
-def _gain(s: Array, h: Array | float) -> Array:
+def gain(s: Array | complex, h: Array | float) -> Array:
     """(exp(s h) - 1)/s: the state after h of an oscillator under a = -1 from rest."""
-    return np.expm1(s * h) / s
+    return np.asarray(np.expm1(s * h) / s)
 
 
-def _rise(s: Array, h: Array | float) -> Array:
+def rise(s: Array | complex, h: Array | float) -> Array:
     """(exp(s h) - 1 - s h)/(s^2 h): the state after h from rest under an a that goes
     from 0 to -1; by its series where s h is small.
     """

@@ -25,9 +25,9 @@ from ..dynamics.response import response
 from ..envelopes.first_falls import Climb, lowest_falls
 from ..errors import UsageError
 from ..motions import Motion
+from ..motions.building_modes import FloorMode
 from ..motions.design_spectra import (
     AnySpectrum,
-    FloorMode,
     FloorSpectrum,
     MotionSpectrum,
     SpectrumFile,

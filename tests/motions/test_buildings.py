@@ -14,11 +14,11 @@ from rocking_cli import load_records, read_record
 from rocking_cli.errors import UsageError
 from rocking_cli.motions import Motion, pulse
 from rocking_cli.motions.biaxial import with_vertical
+from rocking_cli.motions.building_modes import FloorMode, parse_mode
 from rocking_cli.motions.buildings import (
     CHORD,
     TAIL,
     Building,
-    BuildingMode,
     floor_of,
     floor_record,
     parse_building,
@@ -27,8 +27,8 @@ from rocking_cli.motions.polyline import Polyline
 from rocking_cli.motions.records.writing import at2_text
 
 SYNTHETIC = "configs/motions/synthetic.at2"
-ONE = Building((BuildingMode(0.4, 0.05, 1.3),))
-TWO = Building((*ONE.modes, BuildingMode(0.13, 0.05, -0.4)))
+ONE = Building((FloorMode(0.4, 0.05, 1.3),))
+TWO = Building((*ONE.modes, FloorMode(0.13, 0.05, -0.4)))
 G = 9.81
 
 
@@ -67,7 +67,7 @@ SINES = [
 
 @pytest.mark.parametrize(("period", "xi", "gamma_psi", "values", "peak"), SINES)
 def test_a_sine_agrees_with_its_closed_form(period, xi, gamma_psi, values, peak):
-    building = Building((BuildingMode(period, xi, gamma_psi),))
+    building = Building((FloorMode(period, xi, gamma_psi),))
     found = floor_of(pulse("sine"), building, 0.35 * G, math.tau * 1.5)
     times = np.array([0.2, 0.5, 1.0, 2.0])
     # 0.2 s and 0.5 s are ends of steps, of which a cycle has 400
@@ -154,7 +154,7 @@ def test_the_tail_ends_with_a_thousandth_of_the_peak():
 
 
 def test_a_stiff_building_moves_with_the_ground():
-    found = floor_of(record(), Building((BuildingMode(0.002, 0.05),)))
+    found = floor_of(record(), Building((FloorMode(0.002, 0.05),)))
     assert found.value(record().marks[:-1]) == pytest.approx(
         record().value(record().marks[:-1]), abs=2e-3
     )
@@ -219,6 +219,7 @@ def test_a_floor_is_written_and_read_again(tmp_path):
         (["T=1e-300,xi=0.05"], "T=1e-300; expected a period"),
         (["T=1e300,xi=0.05"], "T=1e300; expected a period"),
         (["T=1,xi=0.05,gamma_psi=-1e4"], "gamma_psi=-1e4; expected a number from"),
+        (["T=1,xi=0.05,gamma_psi=0"], "gamma_psi=0; expected a number from.*than zero"),
         (["T=0.4,xi=5"], "xi=5; expected a ratio.*did you mean 0.05"),
         (["T=0.4,xi=0"], "xi=0;.*without which the floor never rests"),
         (["T=0.4,xi=1"], "xi=1; expected a ratio"),
@@ -236,13 +237,20 @@ def test_refusals(texts, found):
         parse_building(texts)
 
 
+def test_a_floor_of_a_code_states_its_participation():
+    assert parse_mode("T=400 ms,xi=0.05,gamma_psi=1.3", "floor") == ONE.modes[0]
+    for text in ("T=0.4,xi=0.05", "T=0.4,xi=5,gamma_psi=1.3"):
+        with pytest.raises(UsageError, match="`floor`: found"):
+            parse_mode(text, "floor")
+
+
 def test_a_floor_that_needs_too_many_steps_is_refused(monkeypatch):
     monkeypatch.setattr("rocking_cli.motions.buildings.MOST", 2500)
     with pytest.raises(UsageError, match="needs more than 2500 steps"):
         floor_of(record(), ONE)
     monkeypatch.setattr("rocking_cli.motions.buildings.MOST", 5000)
     with pytest.raises(UsageError, match="vibrates on for more than 5000 steps"):
-        floor_of(record(), Building((BuildingMode(2.0, 0.001),)))
+        floor_of(record(), Building((FloorMode(2.0, 0.001),)))
 
 
 def test_a_polyline_that_jumps_stays_exact():

@@ -23,7 +23,6 @@ from rocking_cli.motions.design_spectra import (
     FloorSpectrum,
     MotionSpectrum,
     damping_factor,
-    parse_floor,
 )
 
 SITE = SpectrumFile(
@@ -153,19 +152,6 @@ REFUSED = [
 ]
 test_a_malformed_file_is_refused_with_its_place = refuses(
     read_spectrum, DocumentError, REFUSED, file="a.csv"
-)
-ONE = "T=1,xi=0.05,gamma_psi=1"
-FLOORS = [
-    "T=1",
-    f"{ONE},q=2",
-    f"{ONE},T=2",
-    ONE.replace("1,xi", "1 m,xi"),
-    ONE.replace("1,xi", "0,xi"),
-    ONE.replace("0.05", "5"),
-    ONE.replace("1,xi", "1e300,xi"),
-]
-test_a_malformed_floor_is_refused = refuses(
-    parse_floor, UsageError, [(text, r"`floor`: (T: )?found") for text in FLOORS]
 )
 
 
