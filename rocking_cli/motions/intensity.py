@@ -76,7 +76,16 @@ def intensity(record: Record | str | Path) -> Intensity:
     (3.924, 0.67)
     """
     record = record_from(record)
-    a, dt = record.acceleration, record.dt
+    steps = np.full(record.npts - 1, record.dt)
+    return intensity_of_lines(
+        record.acceleration, steps, record.dt * np.arange(record.npts)
+    )
+
+
+def intensity_of_lines(a: Array, dt: Array, t: Array) -> Intensity:
+    """Return the measures of accelerations a [m/s2] at times t [s], (n,), joined by
+    straight lines over steps dt [s], (n - 1,), of which a jump has one of zero.
+    """
     a0, a1 = a[:-1], a[1:]
     v = _sums(0.5 * dt * (a0 + a1))
     d = _sums(dt * v[:-1] + dt * dt / 6.0 * (2.0 * a0 + a1))
@@ -84,13 +93,17 @@ def intensity(record: Record | str | Path) -> Intensity:
     total = np.abs(a0) + np.abs(a1)
     i, areas = np.flatnonzero(a0 * a1 < 0.0), 0.5 * dt * total
     # two triangles where a changes its sign, else a trapezoid
-    areas[i] = 0.5 * dt * (a0[i] ** 2 + a1[i] ** 2) / total[i]
-    at_5, at_75, at_95 = (_reached(a, dt, energy, part) for part in (0.05, 0.75, 0.95))
+    areas[i] = 0.5 * dt[i] * (a0[i] ** 2 + a1[i] ** 2) / total[i]
+    at_5, at_75, at_95 = (
+        _reached(a, dt, t, energy, part) for part in (0.05, 0.75, 0.95)
+    )
     # The velocity has an extreme where the acceleration changes its sign.
     return Intensity(
         pga=largest(a),
-        pga_time=int(np.abs(a).argmax()) * dt,
-        pgv=max(largest(v), largest(v[i] + 0.5 * dt * a[i] ** 2 / (a[i] - a[i + 1]))),
+        pga_time=float(t[np.abs(a).argmax()]),
+        pgv=max(
+            largest(v), largest(v[i] + 0.5 * dt[i] * a[i] ** 2 / (a[i] - a[i + 1]))
+        ),
         pgd=_largest_displacement(a, v, d, dt),
         arias=math.pi / (2.0 * DEFAULT_GRAVITY) * float(energy[-1]),
         cav=float(areas.sum()),
@@ -103,7 +116,7 @@ def _sums(gains: Array) -> Array:
     return np.cumsum(np.concatenate([[0.0], gains]))
 
 
-def _largest_displacement(a: Array, v: Array, d: Array, dt: float) -> float:
+def _largest_displacement(a: Array, v: Array, d: Array, dt: Array) -> float:
     """max |d| over samples and over the roots of v = v0 + a0 s + (a1 - a0)/dt s^2/2
     inside intervals, without cancellation.
     """
@@ -111,21 +124,21 @@ def _largest_displacement(a: Array, v: Array, d: Array, dt: float) -> float:
     # v has a root inside only if it changes its sign, or if the vertex of its parabola
     # is inside.
     i = np.flatnonzero((v[:-1] * v[1:] <= 0.0) | (a[:-1] * a[1:] < 0.0))
-    curved, sloped, flat = 0.5 * dt * (a[i + 1] - a[i]), dt * a[i], v[i]
+    curved, sloped, flat = 0.5 * dt[i] * (a[i + 1] - a[i]), dt[i] * a[i], v[i]
     with np.errstate(all="ignore"):
         root = np.sqrt(sloped**2 - 4.0 * curved * flat)
         q = -0.5 * (sloped + np.copysign(root, sloped))
         for s in (q / curved, flat / q):
             inside = np.flatnonzero((s > 0.0) & (s < 1.0))
             j, x = i[inside], s[inside]
-            there = d[j] + dt * x * (
-                v[j] + dt * x * (a[j] / 2.0 + (a[j + 1] - a[j]) * x / 6.0)
+            there = d[j] + dt[j] * x * (
+                v[j] + dt[j] * x * (a[j] / 2.0 + (a[j + 1] - a[j]) * x / 6.0)
             )
             most = max(most, largest(there))
     return most
 
 
-def _reached(a: Array, dt: float, energy: Array, part: float) -> float:
+def _reached(a: Array, dt: Array, t: Array, energy: Array, part: float) -> float:
     """The time [s] at which the integral of a^2 (`energy` at samples) reaches `part` of
     its final value; 0 for a zero record.
     """
@@ -134,12 +147,12 @@ def _reached(a: Array, dt: float, energy: Array, part: float) -> float:
         return 0.0
     i = int(np.searchsorted(energy, target)) - 1
     a0 = float(a[i])
-    rise = float(a[i + 1] - a[i]) / dt
+    rise = float(a[i + 1] - a[i]) / float(dt[i])
     wanted = target - float(energy[i])
-    low, high = 0.0, dt
+    low, high = 0.0, float(dt[i])
     # bisection of a rising function; 60 steps reach double precision
     for _ in range(60):
         middle = 0.5 * (low + high)
         gained = middle * (a0 * a0 + middle * (a0 * rise + middle * rise * rise / 3.0))
         low, high = (low, middle) if gained >= wanted else (middle, high)
-    return i * dt + high
+    return float(t[i]) + high
