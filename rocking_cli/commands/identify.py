@@ -81,11 +81,12 @@ def identify(
 ) -> None:
     """Fit the effective edges, p and eta of a rigid body to measured free rocking.
 
-    TRACE is a table with a time and a rotation, angular speed or displacement, or times
-    of impacts; the units stand in its heading. STRUCTURE is a document or a text such
-    as block:0.5x2: then the fit finds the inset, without one alpha and p. A row a
-    release and, of several, their mean; with --csv a row an impact. Lines to paste into
-    the document stand below. A trace that is no free rocking is refused (exit code 3).
+    TRACE is a table with a time and a rotation, angular speed, displacement, uplift or
+    acceleration, or times of impacts; the units stand in its heading. STRUCTURE is a
+    document or a text such as block:0.5x2: then the fit finds the inset, without one
+    alpha and p. A row a release and, of several, their mean; with --csv a row an
+    impact. Lines to paste into the document stand below. A trace that is no free
+    rocking is refused (exit code 3).
     """
     from ..responses.identification.identified import COLUMNS, IMPACT_COLUMNS, rows_of
     from ..responses.identification.identify import identify as fitted
@@ -128,6 +129,7 @@ def _dimensions(quantity: str) -> dict[str, str]:
     reading, drift = {
         "theta": ("angle", "angular velocity"),
         "displacement": ("length", "velocity"),
+        "uplift": ("length", "velocity"),
     }.get(quantity, ("angular velocity", None))
     found = dict.fromkeys(("noise", "rms", "offset"), reading)
     return found if drift is None else found | {"drift": drift}

@@ -16,6 +16,7 @@ _DIMENSIONS = {
     "theta": "angle",
     "theta_dot": "angular velocity",
     "displacement": "length",
+    "uplift": "length",
 }
 _FIT, _GREY = COLOURS[1], "0.6"
 

@@ -16,7 +16,7 @@ from ...errors import DocumentError
 from ...structures.given import Structure, structure_from
 from ...structures.kinds import rigid_body_of
 from .first_look import Release
-from .unknowns import ALPHA, INSET, Shape, alpha_shape, free_shape, inset_shape
+from .unknowns import ALPHA, INSET, Shape, angle_shape, inset_shape
 
 if TYPE_CHECKING:
     from ...structures.mechanics.single_body import RigidBody
@@ -99,6 +99,11 @@ def reading_of(quantity: str, body: KnownBody | None, z: float) -> Callable[...,
     if quantity == "theta":
         return lambda theta, rate, alpha, p: theta
     centre = None if body is None else body.height
+    if quantity == "uplift" and body is not None and body.rigid is not None:
+        other, above = body.rigid.lever, centre or 0.0
+        return lambda theta, rate, alpha, p: (
+            (other + above * np.tan(alpha)) * np.sin(np.abs(theta))
+        )
     gravity = DEFAULT_GRAVITY if body is None else body.known.gravity
 
     def displaced(theta: Array, rate: Array, alpha: Array, p: Array) -> Array:
@@ -118,23 +123,17 @@ def shape_of(
 ) -> Shape:
     """Return the unknowns of a fit of a release."""
     longs, tops = np.diff(release.impacts), release.peaks
-    sides = (release.side + np.arange(1, tops.size)) % 2
 
     def p_at(alpha: float) -> float:
         """The median p for which a peak gives the length of its half-cycle, linear."""
         x = np.clip(tops[1:] / alpha, 1e-4, 0.97)
         return float(np.median(2.0 * np.arccosh(1.0 / (1.0 - x)) / longs))
 
-    if fit == INSET:
-        assert body is not None
-        assert body.rigid is not None
+    if fit == INSET and body is not None and body.rigid is not None:
         return inset_shape(body.edge, body.rigid.lever, two_sides)
-    # alpha of each side over the other, from peaks of like lengths
-    p = p_at(1.3 * tops[0])
-    alphas = tops[1:] / (1.0 - 1.0 / np.cosh(0.5 * p * longs))
-    means = [np.median(alphas[sides == side]) for side in (0, 1)]
-    ratio = float(np.clip(means[0] / means[1], 0.5, 2.0))
-    if fit == ALPHA:
-        assert body is not None
-        return alpha_shape(body.p, float(tops[0]), two_sides, ratio)
-    return free_shape(float(tops[0]), p_at, two_sides, ratio)
+    # alpha of each side over the other, from peaks and lengths of their half-cycles
+    alphas = tops[1:] / (1.0 - 1.0 / np.cosh(0.5 * p_at(1.3 * tops[0]) * longs))
+    means = [np.median(alphas[i::2]) for i in (1 - release.side, release.side)]
+    ratio = float(np.clip(means[0] / means[1], 0.5, 2.0)) if two_sides else None
+    p = body.p if fit == ALPHA and body is not None else None
+    return angle_shape(float(tops[0]), p_at, p, ratio)

@@ -9,9 +9,10 @@ import numpy as np
 from ...arrays import Array
 from ...errors import DocumentError
 from .first_look import noise_of
-from .fit import Mixed, Saturated, correlations, free_motion
+from .fit import Mixed, Saturated, correlations, covariance_of, free_motion, with_noise
 from .unknowns import INSET, Shape
 
+_TINY = 1e-300
 _F = 5.0  # of one step of the zero an impact
 _STEP = 0.003  # of the first peak: a smaller step of the zero is none
 _LIKELY = 0.02  # of the first peak, a step of a body that slides
@@ -57,12 +58,6 @@ def require_free_rocking(name: str, fit: Mixed, two_sided: Shape, rates: bool) -
             f"{name}: this is not free rocking of a rigid body: the fit leaves"
             f" {100.0 * left.unexplained:.2g} % of the first peak"
         )
-    beside = fit.saturated.left_out
-    if beside > _BESIDE:
-        raise DocumentError(
-            f"{name}: this is not free rocking of a rigid body:"
-            f" {100.0 * beside:.2g} % of the samples lie beside the fit"
-        )
     differ = not fit.saturated.shape.two_sides and _sides_differ(
         fit.saturated, two_sided
     )
@@ -83,6 +78,12 @@ def require_free_rocking(name: str, fit: Mixed, two_sided: Shape, rates: bool) -
             f" {100.0 * abs(moves[at]):.2g} % of the first peak: it slides, the sensor"
             f" moved, or its edges are round{hint}"
         )
+    beside = fit.saturated.left_out
+    if beside > _BESIDE:
+        raise DocumentError(
+            f"{name}: this is not free rocking of a rigid body:"
+            f" {100.0 * beside:.2g} % of the samples lie beside the fit"
+        )
     return differ
 
 
@@ -93,32 +94,39 @@ def _sides_differ(fit: Saturated, two_sided: Shape) -> bool:
     u = fit.w[: fit.shape.starts[0].size]
     both = np.append(u, u if fit.shape.fit == INSET else 0.0)
     split = free_motion(fit.window, two_sided, np.append(both, fit.w[u.size :]))
-    rows = fit.whitened(np.column_stack([fit.model.slope, split.slope[:, u.size]]))
-    rows = rows / np.linalg.norm(rows, axis=0)
-    inverse = np.linalg.pinv(rows.T @ rows)
-    found = inverse @ (rows.T @ fit.whitened(fit.residuals))
-    return bool(abs(found[-1]) > _SIDES * fit.sigma * np.sqrt(inverse[-1, -1]))
+    column = split.slope[:, u.size]
+    rows = fit.whitened(np.column_stack([fit.model.slope, column])) / fit.sigma
+    covariance = covariance_of(rows)
+    found = covariance[-1] @ (rows.T @ fit.whitened(fit.residuals)) / fit.sigma
+    return bool(abs(found) > _SIDES * np.sqrt(covariance[-1, -1]))
 
 
 def _steps(fit: Saturated) -> Array:
-    """Return the steps of the zero at impacts 1 to n over the first peak, from one
-    linear solve beside fit A; zeros if they are not significant.
+    """Return the steps of the zero at impacts 1 to n over the first peak, from linear
+    solves beside fit A; zeros if they are not significant.
     """
-    peak, rest = first_peak(fit), fit.whitened(fit.residuals) / fit.sigma
-    steps = peak * (fit.window.t[:, None] >= fit.model.impacts[:-1])
-    before = fit.whitened(fit.model.slope)
-    after = fit.whitened(np.hstack([fit.model.slope, steps])) / fit.sigma
-    (_, squares), (_, least) = (_least(rows, rest) for rows in (before, after))
-    count, unknowns = steps.shape[1], after.shape[1]
+    steps = first_peak(fit) * (fit.window.t[:, None] >= fit.model.impacts[:-1])
+    columns = np.hstack([fit.model.slope, steps])
+    count, unknowns = steps.shape[1], columns.shape[1]
+    # the noise is what is left beside the steps: they alone may correlate the rest
+    alone = _left(columns[fit.kept], fit.residuals[fit.kept])
+    fit = with_noise(fit, alone)
+    rest, rows = fit.whitened(fit.residuals), fit.whitened(columns)
+    least = float(np.sum(_left(rows, rest) ** 2))
+    squares = float(np.sum(_left(rows[:, :-count], rest) ** 2))
     f = (squares - least) / count / (least / max(rest.size - unknowns, 1))
     # drift and steps are almost alike: a likely size holds the steps
-    held = np.eye(unknowns)[-count:] / _LIKELY
-    solution, _ = _least(np.vstack([after, held]), np.append(rest, np.zeros(count)))
-    return np.asarray(solution[-count:] * (f > _F))
+    held = fit.sigma / _LIKELY * np.eye(unknowns)[-count:]
+    found = _solved(np.vstack([rows, held]), np.append(rest, np.zeros(count)))
+    return np.asarray(found[-count:] * (f > _F))
 
 
-def _least(rows: Array, rest: Array) -> tuple[Array, float]:
-    """Return (solution, sum of squares that is left) of a linear problem."""
-    scale = np.linalg.norm(rows, axis=0)
-    solution = np.linalg.lstsq(rows / scale, rest, rcond=None)[0] / scale
-    return solution, float(np.sum((rest - rows @ solution) ** 2))
+def _solved(rows: Array, rest: Array) -> Array:
+    """Return the solution of a linear problem of least squares."""
+    scale = np.maximum(np.linalg.norm(rows, axis=0), _TINY)
+    return np.asarray(np.linalg.lstsq(rows / scale, rest, rcond=None)[0] / scale)
+
+
+def _left(rows: Array, rest: Array) -> Array:
+    """Return what the solution of a linear problem leaves."""
+    return np.asarray(rest - rows @ _solved(rows, rest))

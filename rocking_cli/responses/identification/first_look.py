@@ -16,6 +16,7 @@ _BAND = 0.05  # of the largest value: smaller ones are no half-cycle
 _LEFT = 0.97  # of the first peak: the hand has gone when the fall is below
 _AGAIN = 1.5  # a peak larger by this factor begins a new release,
 _LOW = 0.5  # if the one before is smaller than this share of the first one
+_SQUARE = 0.3  # of the height of a square wave: less is no side of it
 _FINEST = 1e-5  # of the range: no trace is less noisy
 _SIGMAS = 6.0  # peaks below so many noises are left out
 
@@ -114,6 +115,29 @@ def _few(trace: Trace, count: int) -> DocumentError:
     )
 
 
+def unfolded(y: Array) -> Array:
+    """Return an unsigned trace less its zero, with another sign after each minimum."""
+    v = _smooth(y)
+    at = _turns(v)
+    least = at[1::2] if at.size > 1 and v[at[0]] > v[at[1]] else at[::2]
+    turns = np.searchsorted(least, np.arange(y.size))
+    zero = np.median(v[least]) if least.size else v.min()
+    return np.asarray((y - zero) * (-1.0) ** turns)
+
+
+def sign_changes(t: Array, y: Array) -> Array:
+    """Return the times [s] at which a square wave changes its sign, such as the
+    acceleration along the axis of a rocking body.
+    """
+    from scipy.ndimage import median_filter
+
+    v = median_filter(y, 5, mode="nearest")
+    low, high = np.percentile(v, [2.0, 98.0])
+    v = v - 0.5 * (low + high)
+    stays = _stays(v, _SQUARE * 0.5 * (high - low))
+    return np.array([_crossing(t, v, i) for i, _ in stays[1:]])
+
+
 def _release(
     trace: Trace,
     v: Array,
@@ -126,8 +150,21 @@ def _release(
     """Return the release of the stays of a span. Raises DocumentError."""
     t, (first, behind) = trace.t, span
     times, tops = crossings[first : behind - 1], heights[first : behind - 1]
-    count = len(tops) - 1
-    lowest = max(least[0] * tops[0], least[1])
+    count = _used(trace, times, tops, max(least[0] * tops[0], least[1]))
+    times, tops = times[: count + 1], tops[: count + 1]
+    begin = stays[first][0]
+    held = np.abs(v[begin : np.searchsorted(t, times[0])]) >= _LEFT * tops[0]
+    begin += int(np.flatnonzero(held)[-1]) + 1
+    end = int(np.searchsorted(t, times[-1]))
+    _require_no_gap(trace, begin, end, 0.25 * float(np.min(np.diff(times))))
+    return Release(begin, end, int(stays[first][1] < 0), times, tops)
+
+
+def _used(trace: Trace, times: Array, tops: Array, lowest: float) -> int:
+    """Return the number of impacts before the first half-cycle that is too small or too
+    short, of those with these peaks, which the impacts end. Raises DocumentError.
+    """
+    count, t = len(tops) - 1, trace.t
     for k in range(1, len(tops)):
         samples = int(np.sum((t > times[k - 1]) & (t < times[k])))
         if k <= LEAST_IMPACTS and samples < LEAST_SAMPLES:
@@ -141,22 +178,18 @@ def _release(
             break
     if count < LEAST_IMPACTS:
         raise _few(trace, count)
-    begin = stays[first][0]
-    held = np.abs(v[begin : np.searchsorted(t, times[0])]) >= _LEFT * tops[0]
-    begin += int(np.flatnonzero(held)[-1]) + 1
-    end = int(np.searchsorted(t, times[count]))
-    longest = np.argmax(np.diff(t[begin:end]))
-    gap, shortest = (
-        t[begin + longest + 1] - t[begin + longest],
-        np.min(np.diff(times[: count + 1])),
-    )
-    if gap > 0.25 * shortest:
+    return count
+
+
+def _require_no_gap(trace: Trace, begin: int, end: int, most: float) -> None:
+    """Raise DocumentError if two samples of a window are farther apart than `most`."""
+    steps = np.diff(trace.t[begin:end])
+    at = int(np.argmax(steps))
+    if steps[at] > most:
         raise DocumentError(
-            f"{trace.name}:{trace.lines[begin + longest + 1]}: a gap of {gap:.3g} s;"
-            f" expected at most a quarter of a half-cycle, {0.25 * shortest:.3g} s"
+            f"{trace.name}:{trace.lines[begin + at + 1]}: a gap of {steps[at]:.3g} s;"
+            f" expected at most a quarter of a half-cycle, {most:.3g} s"
         )
-    side = 0 if stays[first][1] > 0 else 1
-    return Release(begin, end, side, times[: count + 1], tops[: count + 1])
 
 
 def _require_return(trace: Trace, y: Array) -> None:

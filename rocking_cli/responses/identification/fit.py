@@ -51,7 +51,7 @@ class Window:
         return np.asarray(self.t - 0.5 * (self.t[0] + self.t[-1]))
 
 
-class Arcs(NamedTuple):
+class HalfCycles(NamedTuple):
     """The half-cycles at some unknowns w: those of the shape, the time of impact 1, z
     of each half-cycle (`peaks`), offset and drift of the zero, and ln gain.
     """
@@ -67,7 +67,7 @@ class Arcs(NamedTuple):
     time_slope: Array  # of the times of the peaks, (n + 1, w)
 
 
-def arcs_at(window: Window, shape: Shape, w: Array) -> Arcs:
+def half_cycles_at(window: Window, shape: Shape, w: Array) -> HalfCycles:
     """Return the half-cycles at the unknowns w."""
     count, sides, free = window.release.count, window.sides, shape.starts[0].size
     logs, shape_slope = shape.at(w[:free]), shape.slope(w[:free])
@@ -90,7 +90,7 @@ def arcs_at(window: Window, shape: Shape, w: Array) -> Arcs:
     time_slope = before @ q_slope
     time_slope[:, free] += 1.0
     impacts = w[free] + 2.0 * np.concatenate([[0.0], np.cumsum(q[1:])])
-    return Arcs(
+    return HalfCycles(
         logs,
         ln_alpha,
         ln_p,
@@ -110,7 +110,7 @@ def _chained(along: tuple[Array, Array, Array], slope: Array) -> Array:
     return np.asarray(np.einsum("ik,ikw->kw", np.array(along), slope))
 
 
-def _readings(window: Window, arcs: Arcs) -> tuple[Array, Array]:
+def _readings(window: Window, arcs: HalfCycles) -> tuple[Array, Array]:
     """Return (readings without offset, drift and gain, their derivatives). The reading
     of a sample depends on four numbers of its half-cycle: time of the peak, ln alpha,
     ln p and z.
@@ -134,8 +134,8 @@ def _readings(window: Window, arcs: Arcs) -> tuple[Array, Array]:
 
 
 @dataclass(frozen=True)
-class FreeMotion:
-    """The closed form at some unknowns w, see `Arcs`."""
+class FittedMotion:
+    """The closed form at some unknowns w, see `HalfCycles`."""
 
     impacts: Array  # times of impacts 1 to n + 1 [s], (n + 1,)
     alpha: Array  # [rad], right and left, (2,)
@@ -156,9 +156,9 @@ class FreeMotion:
         return found
 
 
-def free_motion(window: Window, shape: Shape, w: Array) -> FreeMotion:
+def free_motion(window: Window, shape: Shape, w: Array) -> FittedMotion:
     """Return the closed form and its derivatives at the unknowns w."""
-    arcs = arcs_at(window, shape, w)
+    arcs = half_cycles_at(window, shape, w)
     y, slope = _readings(window, arcs)
     if window.gain_error:
         gain = np.exp(w[-1])
@@ -170,7 +170,7 @@ def free_motion(window: Window, shape: Shape, w: Array) -> FreeMotion:
     theta = peaks(alpha, arcs.z)
     ln_energy = np.log(energy(theta, alpha, np.exp(arcs.ln_p)))
     along = slopes(lambda *at: np.log(energy(*at)), arcs.ln_alpha, arcs.ln_p, arcs.z)
-    return FreeMotion(
+    return FittedMotion(
         arcs.impacts,
         np.exp(arcs.logs[:2]),
         np.exp(arcs.logs[2:]),
@@ -191,7 +191,7 @@ class Saturated:
     window: Window
     w: Array  # unknowns
     kept: Array  # True for the samples that are used, (N,)
-    model: FreeMotion
+    model: FittedMotion
     left_out: float  # share of the samples that lie far beside the fit
     rho: float  # autocorrelation of neighbouring residuals, 0 if not significant
     sigma: (
@@ -249,9 +249,11 @@ def saturated(
 
     near = np.abs(window.t[:, None] - window.release.impacts).min(axis=1)
     inside = near > window.beside
-    last: list[tuple[Array, FreeMotion]] = []
+    if inside.sum() <= window.t.size // 10:
+        raise DocumentError("nine of ten samples are too near an impact")
+    last: list[tuple[Array, FittedMotion]] = []
 
-    def at(w: Array) -> FreeMotion:
+    def at(w: Array) -> FittedMotion:
         if not last or not np.array_equal(last[0][0], w):
             last[:] = [(w.copy(), free_motion(window, shape, w))]
         return last[0][1]
@@ -286,18 +288,18 @@ def saturated(
         raise DocumentError(f"the fit has no end: {error}") from None
     left_out = 1.0 - float(kept.sum() / inside.sum())
     fitted = Saturated(shape, window, w, kept, at(w), left_out, 0.0, 1.0)
-    return _with_noise(fitted)
+    return with_noise(fitted, fitted.residuals[kept])
 
 
-def _with_noise(fit: Saturated) -> Saturated:
-    """Return fit A with its noise: AR 1 if neighbours are correlated, and a larger
-    variance for what correlation is left.
+def with_noise(fit: Saturated, rest: Array) -> Saturated:
+    """Return fit A with the noise of what is left of the used samples: AR 1 if
+    neighbours are correlated, and a larger variance for what correlation is left.
     """
-    rho = float(correlations(fit.residuals[fit.kept], 1)[0])
-    if abs(rho) < 2.6 / np.sqrt(fit.kept.sum()):
-        rho = 0.0
-    fit = replace(fit, rho=rho)
-    rest = fit.whitened(fit.residuals)
+    rho = float(correlations(rest, 1)[0])
+    fit = replace(fit, rho=rho if abs(rho) > 2.6 / np.sqrt(rest.size) else 0.0)
+    whole = np.zeros(fit.kept.size)
+    whole[fit.kept] = rest
+    rest = fit.whitened(whole)
     left = correlations(rest, 30)
     small = np.flatnonzero(left < 2.0 / np.sqrt(rest.size))
     left = left[: small[0]] if small.size else left
@@ -321,7 +323,7 @@ class Mixed:
     """
 
     saturated: Saturated  # fit A
-    model: FreeMotion  # at the unknowns of this fit
+    model: FittedMotion  # at the unknowns of this fit
     w: Array  # unknowns, without b
     b: Array  # coefficients of eta
     covariance: Array  # of w and b
@@ -343,18 +345,38 @@ class Mixed:
         return float(np.sqrt(max(g @ self.covariance @ g, 0.0)))
 
 
+def covariance_of(rows: Array) -> Array:
+    """Return the covariance of the unknowns of a linear problem, whose rows have unit
+    variance. Raises DocumentError if it has no unique answer.
+    """
+    scale = np.linalg.norm(rows, axis=0)
+    try:
+        found = np.linalg.inv((rows / scale).T @ (rows / scale)) / np.outer(
+            scale, scale
+        )
+    except np.linalg.LinAlgError:
+        found = np.full((1, 1), np.nan)
+    if not (np.isfinite(found).all() and np.all(np.diag(found) > 0.0)):
+        raise DocumentError("the fit has no unique answer")
+    return np.asarray(found)
+
+
+def _design(fit: Saturated, x: Array) -> Array:
+    """Return what multiplies the coefficients of eta, (n, coefficients); x: theta/alpha
+    before each impact, less its mean.
+    """
+    if fit.shape.two_sides:
+        return np.asarray(fit.window.sides[:-1, None] == np.arange(2), float)
+    line = [np.ones(x.size), x]
+    return np.stack(line[: 1 + (x.size >= LINE_FROM)], axis=1)
+
+
 def mixed(fit: Saturated) -> Mixed:
     """Return fit B, from fit A. Raises DocumentError if its equations are singular."""
-    sides, two = fit.window.sides[:-1], fit.shape.two_sides
-    x = fit.model.theta[:-1] / fit.model.alpha[sides]
-    centre, count = float(x.mean()), x.size
-    if two:
-        design = np.stack([sides == 0, sides == 1], axis=1).astype(float)
-    elif count >= LINE_FROM:
-        design = np.stack([np.ones(count), x - centre], axis=1)
-    else:
-        design = np.ones((count, 1))
-    w, b, tau = fit.w, np.zeros(design.shape[1]), _FIRST_SCATTER
+    x = fit.model.theta[:-1] / fit.model.alpha[fit.window.sides[:-1]]
+    centre = float(x.mean())
+    design = _design(fit, x - centre)
+    w, tau = fit.w, _FIRST_SCATTER
     b = np.linalg.lstsq(design, np.exp(fit.model.ln_eta), rcond=None)[0]
     prior = np.zeros((1, w.size + b.size))
     if fit.window.gain_error:
@@ -372,12 +394,7 @@ def mixed(fit: Saturated) -> Mixed:
                 -prior @ np.concatenate([w, b]),
             ]
         )
-        scale = np.sqrt(np.sum(rows**2, axis=0))
-        try:
-            normal = (rows / scale).T @ (rows / scale)
-            covariance = np.linalg.inv(normal) / np.outer(scale, scale)
-        except np.linalg.LinAlgError:
-            raise DocumentError("the fit has no unique answer") from None
+        covariance = covariance_of(rows)
         step = covariance @ (rows.T @ left)
         w, b = w + step[: w.size], b + step[w.size :]
         here = free_motion(fit.window, fit.shape, w)

@@ -13,12 +13,20 @@ from ...errors import DocumentError, UsageError
 from ...structures.given import Structure
 from .body import KnownBody, body_of, reading_of, shape_of
 from .checks import require_free_rocking, residuals
-from .first_look import Release, noise_of, releases_of
-from .fit import Mixed, Window, mixed, saturated
+from .first_look import Release, noise_of, releases_of, sign_changes, unfolded
+from .fit import Mixed, Window, mixed, saturated, with_noise
 from .identified import COLUMNS, Course, Estimate, Identification, bounds, mean_of
 from .impact_times import of_impact_times
 from .paste import lines_of, lines_of_means
-from .told import Told, estimates_of, faults, impact_rows, remarks_of, row_of
+from .told import (
+    Told,
+    estimates_of,
+    faults,
+    impact_rows,
+    is_certain,
+    remarks_of,
+    row_of,
+)
 from .trace import IMPACT, Trace, read_trace
 from .unknowns import ALPHA, BOTH, FITS, INSET
 
@@ -57,8 +65,8 @@ def identify(
     Parameters
     ----------
     traces
-        one or several: a file with a time and theta, theta_dot or displacement, or
-        impact times, see `rocking help identify`; or a Trace
+        one or several: a file with a time and a reading, or impact times, see `rocking
+        help identify`; or a Trace
     structure
         the body; of a kind that takes `inset` the fit finds the inset
     fit
@@ -167,16 +175,27 @@ def _of_trace(
     trace: Trace, body: KnownBody | None, wanted: Wanted
 ) -> list[Identification]:
     """Return what each release of a trace tells."""
+    kind, y = trace.quantity, trace.y
+    if kind == "acceleration":
+        times = sign_changes(trace.t, y)
+        trace = Trace(trace.name, IMPACT, times)
     if trace.quantity == IMPACT:
         return [of_impact_times(trace, body, wanted.least, wanted.level)]
-    if trace.quantity == "displacement" and wanted.height is None:
-        raise UsageError(
-            f"{trace.name}: a displacement needs `height`, that of its point over the"
-            " base"
-        )
-    rates = trace.quantity == "theta_dot"
-    scale = wanted.height if trace.quantity == "displacement" else None
-    found = releases_of(trace, trace.y / (scale or 1.0), rates, wanted.least)
+    if kind == "displacement":
+        if wanted.height is None:
+            raise UsageError(
+                f"{trace.name}: a displacement needs `height`, that of its point over"
+                " the base"
+            )
+        y = y / wanted.height
+    if kind == "uplift":
+        if body is None or body.rigid is None:
+            raise UsageError(
+                f"{trace.name}: an uplift needs a structure of a kind that takes"
+                " `inset`"
+            )
+        y = unfolded(y) / (2.0 * body.rigid.lever)
+    found = releases_of(trace, y, kind == "theta_dot", wanted.least)
     return [
         _of_release(trace, number, release, body, wanted)
         for number, release in enumerate(found, 1)
@@ -203,21 +222,28 @@ def _of_release(
 
     def fitted(fit: str, two_sides: bool) -> Mixed:
         shape = shape_of(fit, two_sides, release, body)
-        return mixed(saturated(window, shape, noise))
+        first = saturated(window, shape, noise)
+        found = mixed(first)
+        if first.rho:  # fit A takes the slow part of correlated noise for motion
+            rest = (window.y - found.model.y)[first.kept]
+            found = mixed(with_noise(first, rest))
+        return found
 
-    try:
-        found = fitted(wanted.fit, wanted.two_sides)
-    except DocumentError as error:
-        raise DocumentError(f"{trace.name}: {error}") from None
-    free: Mixed | None = found
-    if wanted.fit != BOTH:
+    with np.errstate(all="ignore"):  # of steps that the fit does not take
         try:
-            free = fitted(BOTH, wanted.two_sides)
-        except DocumentError:
-            free = None
+            found = fitted(wanted.fit, wanted.two_sides)
+        except DocumentError as error:
+            raise DocumentError(f"{trace.name}: {error}") from None
+        free: Mixed | None = found
+        if wanted.fit != BOTH:
+            try:
+                free = fitted(BOTH, wanted.two_sides)
+            except DocumentError:
+                free = None
     # wrong sizes are no reason to refuse a trace
-    two = shape_of(BOTH if free else wanted.fit, True, release, body)
-    differ = require_free_rocking(trace.name, free or found, two, rates)
+    judged = free if free is not None and is_certain(free) else found
+    two = shape_of(judged.saturated.shape.fit, True, release, body)
+    differ = require_free_rocking(trace.name, judged, two, rates)
     left = residuals(found.saturated)
     told = Told(
         trace.name, number, wanted.fit, found, free, left, differ, body, wanted.level

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from ...arrays import Array
 from ...errors import DocumentError, UsageError, counted
 from .body import KnownBody
 from .first_look import LEAST_IMPACTS
@@ -57,24 +58,28 @@ def of_impact_times(
         "eta_scatter": scatter,
         "eta_momentum": momentum,
     }
-    rows = [
-        {
-            "trace": trace.name,
-            "release": 1,
-            "impact": k + 2,
-            "t": float(trace.t[k + 1]),
-            "side": None,
-            "theta_before": None,
-            "ratio": float(x[k]),
-            **bounds("eta", None, 0.0),
-            "eta_alone": float(one),
-        }
-        for k, one in enumerate(eta)
-    ]
     lines = (
         f"# {trace.name}: {eta.size} impacts, times alone; scatter between impacts"
         f" {scatter:.1g}, between tests not known",
         f"restitution: {mean.text()}  # momentum: {momentum:.3f}",
     )
     remark = f"{trace.name}: times of impacts tell eta, never alpha or the inset"
-    return Identification(row, rows, lines, (remark,), None, {"eta": mean})
+    return Identification(
+        row, _rows(trace, x, eta), lines, (remark,), None, {"eta": mean}
+    )
+
+
+def _rows(trace: Trace, x: Array, eta: Array) -> list[dict[str, Any]]:
+    """Return a row for each impact between two half-cycles; x: their theta/alpha."""
+    more = {"trace": trace.name, "release": 1, "side": None, "theta_before": None}
+    return [
+        {
+            **more,
+            **bounds("eta", None, 0.0),
+            "impact": k + 2,
+            "t": float(trace.t[k + 1]),
+            "ratio": float(x[k]),
+            "eta_alone": float(one),
+        }
+        for k, one in enumerate(eta)
+    ]

@@ -23,6 +23,11 @@ _APART = 3.0  # standard deviations
 _SIDES = ("right", "left")
 
 
+def is_certain(found: Mixed) -> bool:
+    """False if a fit knows alpha so little that it is not told."""
+    return found.deviation(found.model.gradient(0)) <= _KNOWN
+
+
 @dataclass(frozen=True)
 class Told:
     """One release."""
@@ -82,7 +87,7 @@ class Told:
     @property
     def is_told(self) -> bool:
         """False if alpha and p cannot be told apart."""
-        return self.fit != BOTH or self.alpha.sd <= _KNOWN * self.alpha.value
+        return self.fit != BOTH or is_certain(self.found)
 
     @property
     def p(self) -> Estimate | None:

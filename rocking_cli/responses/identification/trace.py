@@ -25,6 +25,8 @@ QUANTITIES = {
     "theta": UNITS["angle"],
     "theta_dot": _RATES,
     "displacement": UNITS["length"],
+    "uplift": UNITS["length"],
+    "acceleration": UNITS["acceleration"],
     IMPACT: UNITS["time"],
 }
 """The units of each quantity, with their factors to SI."""
@@ -40,9 +42,10 @@ class Trace:
     ----------
     name: of the trace, such as that of its file
     quantity: what was measured: theta (> 0 on the right edge), theta_dot, displacement
-        of a point of the body over the middle of its base, or impact (times alone)
+        of a point of the body over the middle of its base, uplift of the edge that
+        rises, acceleration along the axis of the body, or impact (times alone)
     t: times [s], (n,); for `impact` the times of the impacts
-    y: readings [rad, rad/s or m], (n,); empty for `impact`
+    y: readings in SI, (n,); empty for `impact`
     lines: lines of a file, (n,); the index of the sample without one
 
     Raises
@@ -91,8 +94,8 @@ class Trace:
 
 def read_trace(path: str | Path, column: str | None = None) -> Trace:
     """Return the trace of a file: a table whose first column is the time `t [s]`, and a
-    second one theta, theta_dot or displacement with its unit; or one column, `impact
-    [s]`. column: name of the column of several. Raises UsageError, DocumentError.
+    second one of QUANTITIES with its unit; or one column, `impact [s]`. column: name of
+    the column of several. Raises UsageError, DocumentError.
     """
     return _trace_of(read_table(path), column)
 

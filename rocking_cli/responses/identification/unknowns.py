@@ -11,7 +11,7 @@ INSET, ALPHA, BOTH = "inset", "alpha", "alpha,p"
 FITS = (INSET, ALPHA, BOTH)
 _SIGNS = np.array([1.0, -1.0])  # right, left
 _STEP = 1e-6
-_LARGEST = np.log(1.4)  # of ln alpha
+_LARGEST = 1.5  # rad
 
 
 @dataclass(frozen=True)
@@ -21,7 +21,7 @@ class Shape:
     fit: str  # one of FITS
     two_sides: bool
     # (ln alpha, ln p) of the right and the left edge, (4,), at the unknowns: the insets
-    # [m] | ln alpha and the log ratio right over left | ln(p^2 alpha), and the same
+    # [m], or those of `angle_shape`
     at: Callable[[Array], Array]
     starts: list[Array]  # unknowns to begin with
 
@@ -51,45 +51,30 @@ def inset_shape(
     return Shape(INSET, two_sides, at, [np.full(count, x * lever) for x in shares])
 
 
-def alpha_shape(
-    p: tuple[float, float], largest: float, two_sides: bool, ratio: float
+def angle_shape(
+    largest: float,
+    p_at: Callable[[float], float],
+    p: tuple[float, float] | None,
+    ratio: float | None,
 ) -> Shape:
-    """Return the shape whose unknown is ln alpha, beside a known p of each side.
-    largest: the first peak [rad]; ratio: alpha of the right side over the left one.
+    """Return the shape whose unknowns are ln(p^2 alpha), unless p is known, ln alpha,
+    and of two sides the log ratio right over left. largest: the first peak [rad]; p_at:
+    a guess of p for an alpha; p: of the right and the left side; ratio: a guess of that
+    of two sides, None for equal ones.
     """
 
-    def at(u: Array) -> Array:
-        half = 0.5 * u[1] * _SIGNS if two_sides else np.zeros(2)
-        return np.concatenate([_held(u[0]) + half, np.log(p)])
-
-    return Shape(ALPHA, two_sides, at, _starts(largest, two_sides, ratio))
-
-
-def free_shape(
-    largest: float, p_at: Callable[[float], float], two_sides: bool, ratio: float
-) -> Shape:
-    """Return the shape whose unknowns are ln(p^2 alpha) and ln alpha; p_at: a guess of
-    p for an alpha. The other arguments are those of `alpha_shape`.
-    """
+    two_sides = ratio is not None
+    more = [np.log(ratio)] if ratio is not None else []
 
     def at(u: Array) -> Array:
-        half = 0.5 * u[2] * _SIGNS if two_sides else np.zeros(2)
-        ln_p = 0.5 * (u[0] - _held(u[1]))
-        return np.concatenate([_held(u[1]) + half, [ln_p, ln_p]])
+        # ln alpha as it is, but below a right angle
+        ln_alpha = np.log(_LARGEST * np.tanh(np.exp(u[-1 - two_sides]) / _LARGEST))
+        half = 0.5 * u[-1] * _SIGNS if two_sides else np.zeros(2)
+        ln_p = np.log(p) if p else np.full(2, 0.5 * (u[0] - ln_alpha))
+        return np.concatenate([ln_alpha + half, ln_p])
 
-    starts = [
-        np.concatenate([[2.0 * np.log(p_at(float(np.exp(u[0])))) + u[0]], u])
-        for u in _starts(largest, two_sides, ratio)
-    ]
-    return Shape(BOTH, two_sides, at, starts)
-
-
-def _held(ln_alpha: float) -> float:
-    """Return ln alpha below a right angle."""
-    return min(ln_alpha, _LARGEST)
-
-
-def _starts(largest: float, two_sides: bool, ratio: float) -> list[Array]:
-    """Return ln alpha, from 1.03 to 4 first peaks, and the ratio of the sides."""
-    more = [np.log(ratio)] if two_sides else []
-    return [np.array([np.log(x * largest), *more]) for x in (1.03, 1.08, 1.3, 2.0, 4.0)]
+    starts = []
+    for alpha in largest * np.array([1.03, 1.08, 1.3, 2.0, 4.0]):
+        first = [] if p else [np.log(p_at(alpha) ** 2 * alpha)]
+        starts.append(np.array([*first, np.log(alpha), *more]))
+    return Shape(ALPHA if p else BOTH, two_sides, at, starts)
