@@ -15,7 +15,7 @@ way back from it, bounds the speed at u by
 
 (with damping u' <= 2 zeta u_m + sqrt((2 zeta u_m)^2 + that))
 
-and the speed bounds Fz from below. `observers.contact_loss` follows the bodies for
+and the speed bounds Fz from below. `observers.contact_watch` watches Fz of bodies for
 which this bound does not prove Fz > 0.
 """
 
@@ -63,6 +63,16 @@ def ground_reaction(
     return edge.kappa * (b * cos + v * v * sin) - push, weight + edge.kappa * (
         b * sin - v * v * cos
     )
+
+
+def relief(edge: Any, y: Any, v: Any, b: Any) -> Any:
+    """An upper bound of the part of the weight m g [-] that the motion takes from Fz,
+    where y, |y'| and |y''| are at most y, v and b [units of the edge]: |z| is at most
+    alpha, or u - alpha. Floats or arrays.
+    """
+    turned = edge.unit * y
+    lean = 0.5 * (turned + abs(2.0 * edge.alpha - turned))
+    return edge.kappa * edge.unit * (lean * b + edge.unit * v * v)
 
 
 class Body(NamedTuple):
@@ -174,10 +184,9 @@ class Body(NamedTuple):
         weight: Array | float,
         inward: Array,
         fastest: Array,
-        top: Array | float,
+        top: Array,
     ) -> Array:
-        """Return a lower bound of Fz/(m g) of bounces on this edge; of bounces without
-        height (top 0) the value just after an impact.
+        """Return a lower bound of Fz/(m g) of bounces on this edge.
 
         Above the ground -u'' is at most cos(alpha - u)/cos(alpha) times that at the
         ground, under the linear equation at most that at the ground.

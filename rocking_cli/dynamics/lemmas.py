@@ -195,8 +195,8 @@ Proof. -u'' = w sin z - a cos z with z between alpha - u_m and alpha is at most 
 its value at the ground. Ties add to B the most that they pull at u_m, and a tendon adds
 to w_- its force at the ground times cos(u_m/2). Bounces for which this is not positive
 are followed one by one: their speed falls until it is, or until Fz <= 0 at an impact.
-Test `observers/test_contact_loss.py::test_what_a_rotation_proves_to_press_does`,
-`observers/test_contact_loss.py::test_they_are_the_cells_whose_least_force_is_not_positive`,
+Test `observers/test_contact_watch.py::test_no_body_leaves_the_ground_below_it`,
+`observers/test_contact_watch.py::test_they_are_the_cells_whose_least_force_is_not_positive`,
 `tied/test_tied_contact.py::test_bounces_that_lose_the_ground_are_followed`.
 
 # Lemma 15 (one outcome of a stretch, of neighbouring amplitudes)

@@ -1,6 +1,6 @@
 """The response of arrays of cells, on request with the largest angular speed."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -186,16 +186,13 @@ def response(
         )
     if how == "floats":
         return _one_by_one(system, motion, cells, shape, peaks)
+    batch = _batch(system, motion, cells, peaks)
     if system.devices is not None:
         from .tied.tied_march import TiedMarch
 
-        march = TiedMarch(system.devices, _batch(system, motion, cells, peaks))
-        return _response(march.run(), shape, peaks)
-    # The peaks may prove that Fz > 0.
-    peaks_wanted = peaks or bool(np.any(cells[0] > system.safe_amplitude(motion)))
-    batch = _batch(system, motion, cells, peaks_wanted)
-    run = _marched(system, motion, cells, batch, pool=pool)
-    return _response(run, shape, peaks)
+        return _response(TiedMarch(system.devices, batch).run(), shape, peaks)
+    watched = cells[0] > system.safe_amplitude(motion)
+    return _response(_marched(system, batch, watched, pool=pool), shape, peaks)
 
 
 def _one_by_one(
@@ -205,39 +202,19 @@ def _one_by_one(
     shape: tuple[int, ...],
     peaks: bool,
 ) -> Response:
-    """`response` of flat cells of one structure, marched one after the other.
-
-    Undamped bodies on level ground are tested for lost contact one after the other too.
-    """
+    """`response` of flat cells of one structure, marched one after the other."""
     from .one.one_by_one import OneByOne
 
-    eta = system.contact.eta
-    if isinstance(eta, np.ndarray):  # of each cell
+    if isinstance(system.contact.eta, np.ndarray):  # of each cell
         return _of_each_restitution(system, motion, cells, shape, peaks)
-    # The peaks may prove that Fz > 0.
-    prove = bool(np.any(cells[0] > system.safe_amplitude(motion)))
-    segments = system.segments(motion.coarsest)
-    found = OneByOne(system, segments, cells, peaks or prove)
-    theta_ratio, outcome, impacts = found.theta_ratio, found.outcome, found.impacts
-    condition = found.condition
-
-    # The march of bodies with ties watches their contact itself.
-    doubtful = (outcome == Outcome.ROCKED) & (system.devices is None)
-    level = not system.equation.damped and motion.vertical is None
-    alone = found.loses_contact if level else None
-    lost = cells_that_lose_contact(
-        system, motion, cells, doubtful, theta_ratio, alone=alone
-    )
-    outcome[lost], theta_ratio[lost] = Outcome.LOST_CONTACT, np.nan
-
-    if not peaks:
-        theta_ratio[:] = np.nan
+    found = OneByOne(system, motion, cells, peaks)
+    theta_ratio = found.theta_ratio if peaks else np.full(found.outcome.size, np.nan)
     return Response(
         theta_ratio.reshape(shape),
-        outcome.reshape(shape),
-        impacts.reshape(shape),
-        _of_standing(condition, theta_ratio).reshape(shape),
-        Work(cells=outcome.size),
+        found.outcome.reshape(shape),
+        found.impacts.reshape(shape),
+        _of_standing(found.condition, theta_ratio).reshape(shape),
+        Work(cells=found.outcome.size),
     )
 
 
@@ -324,59 +301,33 @@ def _batch(system: System, motion: Motion, cells: CellInputs, peaks: bool) -> Ba
 
 def _marched(
     system: System,
-    motion: Motion,
-    cells: CellInputs,
     batch: Batch,
+    watched: Array,
     *observers: Observer,
     pool: int | None = None,
 ) -> Run:
-    """Run a batch to the end and mark cells that lost the ground."""
-    run = Run(batch, pool, observers)
-    run.all()
-    rocked = run.outcome == Outcome.ROCKED
-    lost = cells_that_lose_contact(
-        system, motion, cells, rocked, run.theta_ratio if batch.peaks else None
-    )
-    run.outcome[lost], run.theta_ratio[lost] = Outcome.LOST_CONTACT, np.nan
-    return run
-
-
-def cells_that_lose_contact(
-    system: System,
-    motion: Motion,
-    cells: CellInputs,
-    doubtful: Array,
-    theta_ratio: Array | None,
-    fastest: Array | None = None,
-    alone: Callable[[int], bool] | None = None,
-) -> Array:
-    """Indices of those `doubtful` cells that lose the ground; their bodies rock and
-    survive. A cell is marched once more if neither its amplitude nor its rotation and
-    largest |d theta/d tau| [rad], where they are given, prove Fz > 0. alone: function
-    that tests a cell by itself, None to march all of them together.
+    """Run a batch to the end; watched: True for cells for which Lemma 13 does not prove
+    beforehand that they keep contact with the ground, (cells,).
     """
-    if system.body is None or not doubtful.any():
-        return np.zeros(0, dtype=np.int64)
-    if not np.any(doubtful & (cells[0] > system.safe_amplitude(motion))):
-        return np.zeros(0, dtype=np.int64)
-    from .observers.contact_loss import ContactLoss
+    body, equation, contact = system.body, batch.equation, batch.contact
+    watches: list[Observer] = []
+    if body is not None and watched.any():
+        from .observers.contact_watch import ContactWatch
 
-    segments = system.segments(motion)
-    batch = Batch.of(system, segments, *cells, peaks=False)
-    loss = ContactLoss(system.body, batch)
-    at = np.flatnonzero(loss.open & doubtful)
-    if theta_ratio is not None:
-        at = at[
-            ~loss.contact_proved(
-                at, theta_ratio[at], None if fastest is None else fastest[at]
-            )
-        ]
-    if alone is not None:
-        return at[[alone(i) for i in at.tolist()]]
-    again = Run(batch, observers=[loss])
-    again.all(at)
-    # A march that does not end as the first one proves nothing.
-    return at[again.outcome[at] != Outcome.ROCKED]
+        watches = [ContactWatch(body, equation, contact, batch.segments, watched)]
+    if observers or not watches:
+        run = Run(batch, pool, [*observers, *watches])
+        run.all()
+        return run
+    # What nothing observes takes exact flows, samples at once, and Lemma 9.
+    run, at = Run(batch, pool), np.flatnonzero(watched)
+    run.all(np.flatnonzero(~watched))
+    more = Run(batch, pool, watches)
+    more.all(at)
+    for name in ("outcome", "theta_ratio", "impacts", "condition"):
+        getattr(run, name)[at] = getattr(more, name)[at]
+    run.work += more.work
+    return run
 
 
 def response_with_speed(
@@ -397,9 +348,10 @@ def response_with_speed(
 
         run = TiedMarch(system.devices, batch, speed=speed).run()
     else:
-        run = _marched(system, motion, cells, batch, speed)
+        watched = cells[0] > system.safe_amplitude(motion)
+        run = _marched(system, batch, watched, speed)
     return _response(run, shape), np.where(
-        safe(run.outcome), speed.speed.largest, np.nan
+        safe(run.outcome), speed.largest, np.nan
     ).reshape(shape)
 
 
@@ -411,18 +363,18 @@ def response_under_records(
     omega: Array,
 ) -> tuple[Response, Array]:
     """As `response_with_speed`, for each cell under the record whose index is in
-    `which`, (cells,); it does not test for lost contact. `can_share_records` must be
-    True for every record. The cells of all records share the pool.
+    `which`, (cells,). `can_share_records` must be True for every record. The cells of
+    all records share the pool.
     """
     from .observers.peak_speed import PeakSpeed
 
     chain = Chain.of([record.coarsest.segments for record in records])
     batch = Batch.of(system, chain, amplitude, omega, first=chain.first[which])
     speed = PeakSpeed(batch)
-    run = Run(batch, observers=[speed])
-    run.all()
+    watched = amplitude > system.safe_amplitudes(records, which)
+    run = _marched(system, batch, watched, speed)
     return _response(run, amplitude.shape), np.where(
-        safe(run.outcome), speed.speed.largest, np.nan
+        safe(run.outcome), speed.largest, np.nan
     )
 
 

@@ -27,10 +27,6 @@ class SharedMarch:
         self.systems = [
             method.system_of(s) for s, method in zip(structures, methods, strict=True)
         ]
-        # A of each up to which contact with the ground is proved [-], (structures,)
-        self.safe_amplitude = np.array(
-            [system.safe_amplitude(motion) for system in self.systems]
-        )
         groups: dict[Hashable, int] = {}
         mixed = motion.vertical is None
         # number of the group of each structure that shares a march, (structures,)
@@ -78,7 +74,5 @@ class SharedMarch:
         own, counts = np.unique(which, return_counts=True)
         systems = [self.systems[i] for i in own]
         system = System.of_each_cell(systems, counts.tolist())
-        if np.all(amplitude <= self.safe_amplitude[which]):
-            system = system._replace(body=None)  # no body loses contact
         how = cheaper(system, self.motion, which.size) if own.size == 1 else "arrays"
         return response(system, self.motion, amplitude, omega, peaks=peaks, how=how)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Self
 
 import numpy as np
 
+from ..arrays import Array
 from ..errors import ArgumentError, UsageError
 from ..motions.motion import Motion
 from ..motions.segments import Segments
@@ -206,8 +207,24 @@ class System(NamedTuple):
             A [-] up to which Fz > 0 for a body that does not overturn, (cells,) if each
             cell has a body of its own; infinite if the forces are not known
         """
+        if not motion.largest:
+            return math.inf
+        return self._safe_push(motion) / motion.largest
+
+    def safe_amplitudes(self, motions: Sequence[Motion], which: Array) -> Array:
+        """Return `safe_amplitude` of cells under several motions, (cells,), which have
+        no vertical parts; which: index of the motion of each cell.
+        """
+        largest = np.array([motion.largest for motion in motions])[which]
+        with np.errstate(divide="ignore"):
+            return np.asarray(self._safe_push(motions[0]) / largest)
+
+    def _safe_push(self, motion: Motion) -> Any:
+        """`safe_amplitude` of a motion of the same vertical part over its largest |s|,
+        but with max |s| = 1.
+        """
         # Lemma 13. Without overturning the push bounds the rotation, and so Fz.
-        if self.body is None or self.scale is None or not motion.largest:
+        if self.body is None or self.scale is None:
             return math.inf
         sway = (
             0.0 if motion.vertical is None else motion.vertical.largest / motion.largest
@@ -217,7 +234,7 @@ class System(NamedTuple):
             safe_acceleration(self.body, i, sway if not sway else sway / scale) / scale
             for i, scale in enumerate(scales)
         ]
-        return np.minimum.reduce(safe) / (self.scale * motion.largest)
+        return np.minimum.reduce(safe) / self.scale
 
     def least_uplift(self, motion: Motion) -> float:
         """Return the least amplitude that lifts the body (Eqs. 2.2, 3.8).

@@ -13,18 +13,8 @@ from typing import NamedTuple
 import numpy as np
 
 from ..arrays import Array
-from ..dynamics.method import Method
-from ..dynamics.outcome import Outcome
-from ..dynamics.response import (
-    CellInputs,
-    Response,
-    can_share_records,
-    cells_that_lose_contact,
-    response,
-    response_under_records,
-)
+from ..dynamics.response import can_share_records, response, response_under_records
 from ..dynamics.system import System
-from ..structures.parameters import RockingParameters
 from .boundaries import OutcomeSteps, Search, lifted
 from .changes import Brackets, narrowed
 from .scan import Scan, changes_by_scan, follow
@@ -38,15 +28,8 @@ _DONE = 0.1, 0.5, 0.9
 class RecordSearch(NamedTuple):
     """A search under a record for the changes of the outcome of one body."""
 
-    structure: RockingParameters  # the body
-    method: Method  # its equation of motion
     search: Search  # its system, the record and the amplitudes
     omega: float  # Omega = 1/p [s/rad]
-
-    @property
-    def system(self) -> System:
-        """The system without its body, whose forces are computed afterwards."""
-        return self.search.system._replace(body=None)
 
 
 def steps_under_records(
@@ -84,7 +67,7 @@ def _scanned_first(
     # The scan: the grids, and the changes between their amplitudes.
     scans = [
         Scan(search.system, search.motion, omega, closely=True)
-        for *_, search, omega in asked
+        for search, omega in asked
     ]
     grids = [
         one.search.grid.amplitude(np.arange(one.search.grid.size)) for one in asked
@@ -140,7 +123,7 @@ def _marched(asked: Sequence[RecordSearch], row: Array, amplitude: Array) -> Arr
     runs: dict[object, list[int]] = {}
     for i, one in enumerate(asked):
         together = can_share_records(one.search.system, one.search.motion)
-        key = one.system.march_key(mixed=True)
+        key = one.search.system.march_key(mixed=True)
         runs.setdefault((key,) if together else i, []).append(i)
     for own in runs.values():
         at = np.flatnonzero(np.isin(row, own))
@@ -157,38 +140,18 @@ def _in_one_run(asked: Sequence[RecordSearch], of: Array, amplitude: Array) -> A
     each amplitude, rising.
     """
     counts = np.bincount(of, minlength=len(asked)).tolist()
-    system = System.of_each_cell([one.system for one in asked], counts)
+    system = System.of_each_cell([one.search.system for one in asked], counts)
     motions = list({id(one.search.motion): one.search.motion for one in asked}.values())
     numbers = {id(motion): number for number, motion in enumerate(motions)}
-    which, omega, alpha = (
+    which, omega = (
         np.repeat(of_each, counts)
         for of_each in (
             [numbers[id(one.search.motion)] for one in asked],
             [one.omega for one in asked],
-            [one.structure.alpha for one in asked],
         )
     )
-    got, rate = response_under_records(system, motions, which, amplitude, omega)
-
-    rate = rate * alpha
-    for i, one in enumerate(asked):
-        at = np.flatnonzero(of == i)
-        cells = amplitude[at], omega[at]
-        lost = _lost(one.search, cells, got, rate, at)
-        got.outcome[at[lost]] = Outcome.LOST_CONTACT
+    got, _ = response_under_records(system, motions, which, amplitude, omega)
     return lifted(got.outcome)
-
-
-def _lost(
-    search: Search, cells: CellInputs, got: Response, rate: Array, at: Array
-) -> Array:
-    """Which of the cells `at` lose the contact with the ground, by the forces of their
-    own body; rate: largest speed of each cell of the run.
-    """
-    rocked = got.outcome[at] == Outcome.ROCKED
-    return cells_that_lose_contact(
-        search.system, search.motion, cells, rocked, got.theta_ratio[at], rate[at]
-    )
 
 
 def _outcomes(one: RecordSearch, amplitude: Array, how: str) -> Array:

@@ -14,7 +14,6 @@ from typing import NamedTuple
 import numpy as np
 
 from ..arrays import Array
-from ..dynamics.batch import Batch
 from ..dynamics.one.lane import Lane
 from ..dynamics.outcome import safe
 from ..dynamics.system import System
@@ -23,9 +22,9 @@ from .changes import Brackets, narrowed
 from .record_lines import record_lines
 from .scan_pool import Accuracy, Followed, ScanPool
 
-# The largest rotation and speed at the ends of lines, over alpha, may be this far below
-# those of the march: a share of them, and an amount for extremes within a line.
-_SHARE, _MORE = 1.05, 0.03
+# least Fz/(m g) of the scan down to which the march must look: it may be this far above
+# that of the march within a line
+_PRESSED = 0.05
 
 # Longest line [tau], and up to which the lines of several samples are joined: joined
 # to 0.02, the lines of some records moved boundaries by 1e-3 of the amplitude.
@@ -44,8 +43,7 @@ class Scanned(NamedTuple):
 
     amplitude: Array  # A [-], rising
     outcome: Array  # codes of `Outcome`, ROCKED for every body that stands
-    peak: Array  # largest y at the ends of lines, in the unit of the first side
-    speed: Array  # largest |y'| at the ends of lines, in the unit of its side
+    least: Array  # least Fz/(m g) at the ends of lines, less what it may err by [-]
 
     def with_more(self, more: "Scanned") -> "Scanned":
         """Return these amplitudes with others."""
@@ -67,7 +65,7 @@ class Scan(Followed):
         closely: bool = False,
     ) -> None:
         """closely: True to follow short lines as accurately as long ones."""
-        self.lane = lane = Lane(system, system.segments(motion.coarsest), omega)
+        self.lane = lane = Lane(system, motion.coarsest, omega)
         self.edges = list(lane.edges(1.0).values())
         # Lines as long as a sample, or as `_JOINED` or `_LONGEST` allow.
         tau = min(edge.omega for edge in self.edges)  # phase in a unit of tau
@@ -75,7 +73,6 @@ class Scan(Followed):
         line = _LONGEST if sample > _LONGEST else max(sample, _JOINED)
         self.lines = record_lines(lane.segments, line * tau)
         self.accuracy = _OF_LONG if closely or line > _JOINED else _OF_SHORT
-        self.motion = motion
         # bodies with equal kinds can be followed together
         self.kind = (
             type(system.equation),
@@ -85,9 +82,8 @@ class Scan(Followed):
             motion.vertical is not None,
             self.accuracy,
         )
-        self.known = Scanned(
-            np.zeros(0), np.zeros(0, dtype=np.uint8), np.zeros(0), np.zeros(0)
-        )
+        none = np.zeros(0)
+        self.known = Scanned(none, none.astype(np.uint8), none)
 
     @staticmethod
     def supports(system: System, motion: Motion) -> bool:
@@ -105,19 +101,13 @@ class Scan(Followed):
 
     def falls(self, amplitude: Array) -> tuple[Array, Array]:
         """(True where the body seems to fall at an amplitude A, True where it seems to
-        stand but its peak does not prove that it keeps the ground), (lanes,) each.
+        stand but may lose contact), (lanes,) each.
         """
         found = self._at(amplitude)
         falls = ~safe(found.outcome)
-        doubtful = np.flatnonzero(
-            ~falls & (amplitude > self.lane.system.safe_amplitude(self.motion))
-        )
-        lifts = np.zeros(amplitude.size, dtype=bool)
-        if doubtful.size:
-            lifts[doubtful] = ~self._contact_proved(
-                Scanned(*(x[doubtful] for x in found))
-            )
-        return falls, lifts
+        # What the scan does not lift is left to the march too.
+        pressed = (found.least > _PRESSED) & np.isfinite(found.least)
+        return falls, ~falls & (amplitude > self.lane.safe) & ~pressed
 
     def first_fall(self, begin: float, end: float) -> float | None:
         """The lowest computed amplitude between these at which the body seems to
@@ -132,26 +122,6 @@ class Scan(Followed):
         follow([self], [amplitude])
         at = np.searchsorted(self.known.amplitude, amplitude)
         return Scanned(*(x[at] for x in self.known))
-
-    def _contact_proved(self, found: "Scanned") -> Array:
-        """True where Fz > 0 is proved for every rotation and speed up to those of the
-        scan and what it may have missed.
-        """
-        from ..dynamics.observers.contact_loss import ContactLoss
-
-        system, lanes = self.lane.system, found.amplitude.size
-        assert system.body is not None  # the safe amplitude of others is infinite
-        omega = self.lane.omega.repeat(lanes)
-        segments = system.segments(self.motion)
-        batch = Batch.of(system, segments, found.amplitude, omega, peaks=False)
-        first = system.equation.on(np.ones(lanes))
-        turned = first.rotation(found.peak)
-        fastest = first.rotation_rate(found.peak, found.speed)
-        return ContactLoss(system.body, batch).contact_proved(
-            np.arange(lanes),
-            _SHARE * turned + _MORE,
-            (_SHARE * fastest + _MORE) * system.body.edges[0].alpha,
-        )
 
 
 def follow(

@@ -12,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..arrays import Array
+from ..dynamics.body import Edge, relief
 from ..dynamics.contacts.contact import rebound
 from ..dynamics.equations.recurrence import motion_terms
 from ..dynamics.method import joined
@@ -28,6 +29,7 @@ _MOST_ROUNDS = 100  # rounds over lines, after which a lane is left to the march
 _UPLIFT_ROUNDS = 8
 _TOLD_ROUNDS = 128  # rounds between two calls of a function for the progress
 _SEARCH_LINES = 64  # number of lines that one search for the next uplift covers
+_MORE = 1.1  # what the motion takes from Fz, over that at the ends of lines
 
 
 class Accuracy(NamedTuple):
@@ -72,8 +74,7 @@ class ScanPool:
         "sway",  # zg''/g of s_v = 1 times A [-]
         "pace",  # tau over the phase [1/rad]
         "rested",  # line after the one in which the lane came to rest, -1 for others
-        "peak",  # largest y at the ends of lines, in the unit of the first side
-        "speed",  # largest |y'| at the ends of lines, in the unit of its side
+        "least",  # least Fz/(m g) at the ends of lines, less what it may err by [-]
     )
 
     def __init__(self, scans: Sequence[Followed], amplitudes: list[Array]) -> None:
@@ -81,12 +82,18 @@ class ScanPool:
         self.scans, self.sides, row = scans, len(scans[0].edges), np.arange(len(edges))
         # The row of a body and side; `others`: the row of the other side of the body.
         self.others = row + self.sides - 1 - 2 * (row % self.sides)
-        self.drives, self.sways, self.speed_ratio, self.limit, self.units, omega = (
+        self.drives, self.sways, self.speed_ratio, self.limit, omega = (
             np.array([getattr(f, n) for f in edges])
-            for n in ("drive", "sway", "speed_ratio", "limit", "unit", "omega")
+            for n in ("drive", "sway", "speed_ratio", "limit", "omega")
         )
+        # numbers of each row for Fz, None if no body may lose contact
+        self.feet = None
+        pairs = zip(scans, amplitudes, strict=True)
+        if any(np.any(a > scan.lane.safe) for scan, a in pairs):
+            none = Edge(0.0, 0.0, 0.0, 0.0)  # of a body whose forces are not known
+            feet = [s.lane.feet.get(e.side, none) for s in scans for e in s.edges]
+            self.feet = Edge(*np.array(feet).T)
         self.weighed = bool(self.sways.any())  # True if the weight varies
-        self.alike = bool((self.units == 1.0).all())  # one unit of y for every side
         self.paces, self.lowest_limit = 1.0 / omega, float(self.limit.min())
         self.equations = joined([edge.equation for edge in edges])
         self.accuracy = scans[0].accuracy
@@ -101,12 +108,12 @@ class ScanPool:
         self.x, self.y, self.v, self.drive, self.sway, self.pace = np.zeros(
             (6, body.size)
         )
-        self.peak, self.speed = np.zeros((2, body.size))
+        self.least = np.full(body.size, np.inf)
         # of every lane, as far as they are known: the outcome, True after an impact,
-        # and the largest y and |y'|, as those of lanes that still move
+        # and the least Fz, as those of lanes that still move
         self.outcome = np.full(body.size, Outcome.ROCKED, dtype=np.uint8)
         self.bounced = np.zeros(body.size, dtype=bool)
-        self.peaks, self.speeds = np.zeros((2, body.size))
+        self.leasts = self.least.copy()
         # the least s_v of each body, of which the ground falls away where w <= 0
         least = np.minimum.reduceat(
             np.minimum(self.up, self.up + self.up_rise), self.begin
@@ -164,10 +171,8 @@ class ScanPool:
 
     def march(
         self, progress: Callable[[float], None] | None = None
-    ) -> tuple[Array, Array, Array]:
-        """March all lanes; returns (the outcome, the largest y in the unit of the first
-        side, the largest |y'|) of each lane.
-        """
+    ) -> tuple[Array, Array]:
+        """March all lanes; returns (the outcome, `least`) of each lane."""
         rounds, most = 0, _MOST_ROUNDS * self.s.size
         while self.number.size and rounds < most:
             if rounds % _UPLIFT_ROUNDS == 0:
@@ -179,7 +184,7 @@ class ScanPool:
         self.outcome[self.number] = Outcome.FAILED
         lost = self.falls_freely & (self.outcome == Outcome.ROCKED)
         self.outcome[lost] = Outcome.LOST_CONTACT
-        return self.outcome, self.peaks, self.speeds
+        return self.outcome, self.leasts
 
     def _done(self) -> float:
         """The share of their records that the lanes that still move
@@ -200,8 +205,7 @@ class ScanPool:
     def _keep(self, stay: Array) -> None:
         """Go on with some of the lanes only; store the extremes of the others."""
         leave = ~stay
-        self.peaks[self.number[leave]] = self.peak[leave]
-        self.speeds[self.number[leave]] = self.speed[leave]
+        self.leasts[self.number[leave]] = self.least[leave]
         for name in self._EACH:
             setattr(self, name, getattr(self, name)[stay])
         self.equation = self.equations.on(self.row, self.row)
@@ -308,9 +312,9 @@ class ScanPool:
         self.y = sum(terms[1:], terms[0])
         self.v = sum((n * c for n, c in enumerate(terms[2:], 2)), terms[1]) / h
         self.k, self.x = k + 1, np.zeros_like(x)
-        turned = self.y if self.alike else self.y * self.units[self.row]
-        np.maximum(self.peak, turned, out=self.peak)
-        np.maximum(self.speed, np.abs(self.v), out=self.speed)
+        if self.feet is not None:
+            force = sum(n * (n - 1) * c for n, c in enumerate(terms[2:], 2)) / square
+            self._press(np.arange(k.size), k, x + left, force)
 
         hit = np.flatnonzero(self.y <= 0.0)
         if hit.size:
@@ -321,6 +325,16 @@ class ScanPool:
             fallen = ~(self.y <= self.limit[self.row])
             self._falls(self.number[fallen])
             self._keep(~fallen)
+
+    def _press(self, at: Array, k: Array, x: Array, force: Array) -> None:
+        """Lower `least` of the lanes `at` to Fz at x of their lines, where y'' is
+        `force`.
+        """
+        assert self.feet is not None
+        here = Edge(*(foot[self.row[at]] for foot in self.feet))
+        taken = relief(here, self.y[at], self.v[at], np.abs(force))
+        weight = 1.0 + self.sway[at] * (self.up[k] + self.up_rise[k] * x)
+        self.least[at] = np.fmin(self.least[at], weight - _MORE * taken)
 
     def _strike(self, struck: Struck, terms: list[Array]) -> None:
         """Apply the impacts of lanes in the step with these terms."""
@@ -337,6 +351,10 @@ class ScanPool:
         self.row[at], self.drive[at], self.sway[at] = row, drive, sway
         self.pace[at], self.y[at] = pace, 0.0
         self.equation = self.equations.on(self.row, self.row)
+        if self.feet is not None:  # the bounces to come in the line begin here
+            self.v[at] = v
+            for end in (x, np.ones_like(x)):
+                self._press(at, k, end, self._net(k, end, drive, sway) - 1.0)
         slow, averaged = self._averaged_bounces(struck._replace(x=x), v)
         self.v[at] = np.where(averaged, np.fmax(slow, 0.0), v)
 
@@ -437,4 +455,7 @@ class ScanPool:
             self.outcome[self.number[i[free.overturns_after_impact]]] = (
                 Outcome.OVERTURNED_AFTER_IMPACT
             )
-            self.peak[i] = np.fmax(self.peak[i], free.peak * self.units[row])
+            if self.feet is not None and lane.body is not None:
+                lanes.y, lanes.v = self.y[i], self.v[i]
+                least = lane.watch().least_to_come(lanes)
+                self.least[i] = np.fmin(self.least[i], least)

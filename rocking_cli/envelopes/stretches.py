@@ -26,7 +26,6 @@ _LONGEST = 0.1  # longest step, over the time in which a distance may grow e-fol
 # What the integration may be off, over 1 + Z, in y and in y': 15 times the largest
 # error that was found, for alpha from 0.05 to 0.6, Omega to 15 and A to 100
 _ERROR = 2e-4
-_LOOKS = 8  # times in half a cycle that contact is looked at
 _WIDEST, _NARROWEST = 512, 32  # points of a stretch
 # Up to `_NEAR` times the y of the equilibrium a step takes |theta - alpha| <= alpha,
 # which holds if it ends below `_BOUNDED` times this y.
@@ -51,27 +50,6 @@ class _Distance(NamedTuple):
     v: Array  # bound of the distance of y'
 
 
-class _BoundsSoFar(NamedTuple):
-    """Bounds of all bodies of a stretch up to now. Every array is (stretches,)."""
-
-    highest: Array  # bound of y
-    fastest: Array  # bound of |y'| in the last few steps
-    push: Array  # largest |s| in the last few steps
-    half: Array  # y of the path after half a cycle, infinite before
-    kept: Array  # True if none has lost the ground
-
-    @classmethod
-    def of(cls, size: int) -> "_BoundsSoFar":
-        """The course of bodies at rest."""
-        return cls(
-            np.zeros(size),
-            np.zeros(size),
-            np.zeros(size),
-            np.full(size, np.inf),
-            np.ones(size, dtype=bool),
-        )
-
-
 class AmplitudeStretches:
     """Stretches of amplitudes, each at one Omega, of one system under a motion."""
 
@@ -88,7 +66,6 @@ class AmplitudeStretches:
         self.side = np.full(
             omega.size, -np.sign(motion.pieces[0].harmonics[0].amplitude)
         )
-        self.right = bool(np.all(self.side > 0.0))
         assert isinstance(system.equation, RigidBodyEquation)
         self.both = system.equation  # of both sides
         self.equation = self.both.on(self.side)
@@ -119,7 +96,9 @@ class AmplitudeStretches:
         """
         found = np.full(self.omega.size, UNKNOWN, dtype=np.uint8)
         start = np.arcsin(1.0 / np.maximum(self.least, 1.0))
-        path, course = self._at_uplift(start), _BoundsSoFar.of(start.size)
+        path = self._at_uplift(start)
+        # a bound of y of all bodies so far; y of the path after half a cycle
+        highest, middle = np.zeros(start.size), np.full(start.size, np.inf)
         growth = np.sqrt(self._rate(1.0, 1.0))
         steps = self.steps
         valid = (self.least > 1.0 + 1e-9) & (
@@ -129,62 +108,39 @@ class AmplitudeStretches:
             begin = start if half == 0 else np.full(start.size, np.pi)
             step = ((half + 1) * np.pi - begin) / steps
             for n in range(steps):
-                near = course.highest <= _NEAR * self._top
+                near = highest <= _NEAR * self._top
                 phase = begin + n * step
                 path = self._stepped(path, phase, step, near)
                 off = self._distances(path)
-                course = self._followed(course, path, off, phase, step)
-                valid &= ~near | (course.highest <= _BOUNDED * self._top)
-                clear = np.minimum(np.minimum(course.half, path.y), 1.0) > off.y
+                highest = np.fmax(highest, self._highest(path, off, step))
+                valid &= ~near | (highest <= _BOUNDED * self._top)
+                clear = np.minimum(np.minimum(middle, path.y), 1.0) > off.y
                 falls = self._certainly_fall(path, off, rises=(half == 0) & near)
                 found[falls & valid & (clear | (half == 0))] = (
                     Outcome.OVERTURNED_NO_IMPACT
                 )
-                if (n + 1) % (steps // _LOOKS) == 0:
-                    course = self._pressed(course, valid & (found == UNKNOWN))
             if half == 0:
-                course = course._replace(half=path.y)
+                middle = path.y
 
-        clear = np.minimum(np.minimum(course.half, path.y), 1.0) > off.y
+        clear = np.minimum(np.minimum(middle, path.y), 1.0) > off.y
         at = np.flatnonzero((found == UNKNOWN) & valid & clear)
         found[at] = self._after_shaking(
             at,
             _LeastPath(*(x[at] for x in path)),
             _Distance(*(x[at] for x in off)),
-            _BoundsSoFar(*(x[at] for x in course)),
         )
         return found
-
-    def _equation_of(self, at: Array) -> RigidBodyEquation:
-        """The equation of the stretches `at`."""
-        return self.both.on(self.side[at])
 
     @property
     def _top(self) -> Array | float:
         """y of the unstable equilibrium."""
         return self.equation.alpha / self.equation.sin
 
-    def _followed(
-        self,
-        course: "_BoundsSoFar",
-        path: _LeastPath,
-        off: "_Distance",
-        phase: Array,
-        step: Array,
-    ) -> "_BoundsSoFar":
-        """Return the bounds of all bodies of each stretch after a step."""
+    def _highest(self, path: _LeastPath, off: "_Distance", step: Array) -> Array:
+        """A bound of y of all bodies of each stretch in a step that ends here."""
         force = 1.0 / self.equation.sin + self.largest / self.equation.cos  # >= |y''|
         h = step / self.omega
-        # Within the step y, y' and the drive may be a little larger than at its end.
-        highest = np.fmax(course.highest, path.y + off.y + 0.125 * force * h * h)
-        fastest = np.abs(path.v) + off.v + force * h
-        pushes = np.abs(np.sin([phase, phase + step])).max(axis=0)
-        pushes = np.minimum(1.0, pushes + 0.125 * step * step)
-        return course._replace(
-            highest=highest,
-            fastest=np.fmax(course.fastest, fastest),
-            push=np.fmax(course.push, pushes),
-        )
+        return np.asarray(path.y + off.y + 0.125 * force * h * h)
 
     def _certainly_fall(
         self, path: _LeastPath, off: "_Distance", rises: Array
@@ -261,9 +217,7 @@ class AmplitudeStretches:
             )
         )
 
-    def _after_shaking(
-        self, at: Array, end: _LeastPath, off: _Distance, course: _BoundsSoFar
-    ) -> Array:
+    def _after_shaking(self, at: Array, end: _LeastPath, off: _Distance) -> Array:
         """The outcomes of the stretches `at`, which had no impact, from the end of the
         shaking on.
         """
@@ -285,12 +239,9 @@ class AmplitudeStretches:
         after = [one.overturns_after_impact for one in free]
         found[back & np.all(after, axis=0)] = Outcome.OVERTURNED_AFTER_IMPACT
 
-        rocked = np.flatnonzero(back & ~np.any(after, axis=0) & course.kept)
-        peak = np.max([course.highest, *(one.peak for one in free)], axis=0)[rocked]
-        kept = self._keeps_the_ground(
-            at[rocked], self._equation_of(at[rocked]).rotation(peak)
-        )
-        found[rocked[kept]] = Outcome.ROCKED
+        # Lemma 13: up to this amplitude none loses contact with the ground.
+        kept = self.ends[1, at] <= self.safe_to
+        found[back & ~np.any(after, axis=0) & kept] = Outcome.ROCKED
         return found
 
     def _free(self, at: Array, y: Array, v: Array) -> FreeMotion:
@@ -315,39 +266,6 @@ class AmplitudeStretches:
         return self.system.contact.free_motion(
             self.both, lanes, np.arange(at.size), y, v
         )
-
-    def _pressed(self, course: _BoundsSoFar, asked: Array) -> _BoundsSoFar:
-        """The course after a few steps, with what they tell about contact; asked: True
-        for stretches of which it is asked.
-        """
-        body, kept = self.system.body, course.kept.copy()
-        nothing = np.zeros_like(course.push)
-        after = course._replace(kept=kept, push=nothing, fastest=nothing)
-        if body is None:
-            return after  # its forces are not known
-        at = np.flatnonzero(asked & kept & (self.ends[1] > self.safe_to))
-        edge, equation = body.edges[0 if self.right else -1], self._equation_of(at)
-        kept[at] = body.contact_proved(
-            edge,
-            self.largest[at] * edge.uplift * course.push[at],
-            equation.sin * course.highest[at],
-            fastest=equation.sin * course.fastest[at],
-        )
-        return after
-
-    def _keeps_the_ground(self, at: Array, rotation: Array) -> Array:
-        """True where all bodies of the stretches `at` keep the ground after the
-        shaking, with |theta|/alpha up to `rotation`.
-        """
-        body = self.system.body
-        kept = np.ones(at.size, dtype=bool)
-        if body is None:
-            return kept
-        for edge in body.edges:
-            kept &= (self.ends[1, at] <= self.safe_to) | body.contact_proved(
-                edge, np.zeros(at.size), edge.alpha * rotation
-            )
-        return kept
 
 
 def _steps(omega: float) -> int:

@@ -335,9 +335,9 @@ def _traced_together(
         units.append(motions.unit(structure, member))
         search = _search(structure, systems[i], motions, member, units[-1])
         omega = member.omega / structure.p
-        asked.append(RecordSearch(structure, motions.method, search, omega))
+        asked.append(RecordSearch(search, omega))
     # Motions that do not lift the body up to the last level need no search.
-    lifting = [n for n, (*_, one, _) in enumerate(asked) if one.uplift < one.a_max]
+    lifting = [n for n, (one, _) in enumerate(asked) if one.uplift < one.a_max]
     steps = steps_under_records(
         [asked[n] for n in lifting], lambda share: told(len(tasks) * share)
     )

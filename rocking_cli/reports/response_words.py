@@ -3,8 +3,7 @@
 import math
 from collections.abc import Iterator
 
-from ..dynamics.outcome import LOST, Outcome
-from ..errors import UsageError
+from ..dynamics.outcome import Outcome
 from ..responses.contact_forces import ContactForces
 from ..responses.force_history import ForceHistory
 from ..responses.time_history import TimeHistory
@@ -45,18 +44,13 @@ def _loss_in_words(found: TimeHistory, model: str) -> str:
     """Return what to say of a loss of contact; empty without one."""
     own, p = found.histories[model], found.structure.p
     if not found.outcome(model).overturned:
-        # of a body with ties the march itself finds it
-        lost = [e.tau for e in own.events if e.event == LOST]
-        at = min(lost) if own.devices else found.end_of(model)
-        return f" at {at / p:.4g} s, and its later motion is not known"
-    try:
-        instant = own.lost if own.devices else found.forces[model].lost
-    except UsageError:  # forces that are not known
-        return ""
-    if instant is None:
+        if own.lost is None:
+            return f" after {own.end / p:.4g} s"
+        return f" at {own.lost / p:.4g} s, and its later motion is not known"
+    if own.lost is None:
         return ""
     return (
-        f", and loses contact with the ground at {instant / p:.4g} s during its fall,"
+        f", and loses contact with the ground at {own.lost / p:.4g} s during its fall,"
         " which is therefore not proved"
     )
 

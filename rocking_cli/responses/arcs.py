@@ -166,8 +166,8 @@ class History(Shown):
     highest: largest |theta|/alpha of the whole motion, NaN if the body overturned [-]
     devices: a row for each tie and tendon
     device_forces: forces of the ties and the tendon over time
-    lost: first time at which Fz = 0 in the fall of a body with ties [tau], None without
-        one
+    lost: first time at which Fz = 0, also in a fall [tau], None without one up to the
+        end
 
     Examples
     --------
@@ -189,7 +189,7 @@ class History(Shown):
     devices: tuple[dict[str, Any], ...] = ()  # a row for each tie and tendon
     # forces of the ties and the tendon over time
     device_forces: DeviceForces | None = None
-    # first time at which Fz = 0 in the fall of a body with ties [tau], None without one
+    # first time at which Fz = 0 [tau], None without one up to the end
     lost: float | None = None
 
     def _shown(self) -> dict[str, Any]:

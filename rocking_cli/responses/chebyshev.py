@@ -71,24 +71,6 @@ def extent(
     return Extent(float(values[i]), float(t[i]), float(values[j]), float(t[j]))
 
 
-def first_below(
-    f: Callable[[Array], Array], low: float, high: float, level: float
-) -> float | None:
-    """Return the first instant of [low, high] with f <= level, None without one. f as
-    in `extent`; the level must be far above the rounding error of f.
-    """
-    reach = extent(f, low, high)
-    if reach.least > level:
-        return None
-    if float(f(np.array([low]))[0]) <= level:
-        return low
-    high, middle = reach.at_least, 0.5 * (low + reach.at_least)
-    if not low < middle < high:
-        return high
-    found = first_below(f, low, middle, level)
-    return first_below(f, middle, high, level) if found is None else found
-
-
 @cache
 def _nodes() -> tuple[Array, Array]:
     """Return the Chebyshev points of the second kind, from -1 to 1, and the matrix from

@@ -14,7 +14,7 @@ from ..arrays import Array
 from ..dynamics.outcome import Outcome
 from ..structures.mechanics.measured import Measured
 from .arcs import FREE, LATE, Event, Resultant
-from .chebyshev import Extent, extent, first_below
+from .chebyshev import Extent, extent
 from .force_history import ForceHistory
 from .ground_forces import (
     ForceEdge,
@@ -136,7 +136,8 @@ class ContactForces(ForceHistory):
         lifting = [
             self._after(event) for event in self.found.events if event.event == "uplift"
         ][:1]
-        if self.found.outcome == Outcome.LOST_CONTACT:
+        falls_freely = self.found.lost == self.found.end
+        if self.found.outcome == Outcome.LOST_CONTACT and falls_freely:
             # From a jump on there may be no weight; no instant before it shows that.
             least = min(least, (0.0, self.found.end))
             (rocking if lifting else resting).append(
@@ -223,29 +224,6 @@ class ContactForces(ForceHistory):
             )
             most = max(most, required.friction)
             yield required
-
-    @cached_property
-    def lost(self) -> float | None:
-        """The first instant tau with Fz <= 0; None if Fz > 0 at all times."""
-        if self.extremes.fz_min > 0.0:
-            return None
-        found = [self.extremes.fz_min_tau] + [self.found.end] * (
-            self.found.outcome == Outcome.LOST_CONTACT
-        )
-        for bounces, rests, _ in self.rests():
-            found += [
-                tau for tau, (_, fz) in self._low_bounces(bounces, rests) if fz <= 0.0
-            ]
-        arcs, lows, _ = self._contact_bounds
-        for arc in arcs[lows <= 0.0].tolist():
-            # Around 1 the series of `raised` ends where Fz has a root.
-            raised, low, high = self.along(arc, lambda at: 1.0 + _fz(at))
-            if (
-                low < min(found)
-                and (first := first_below(raised, low, high, 1.0)) is not None
-            ):
-                found.append(first)
-        return min(found)
 
     def _required_at_rest(self, ratio: Extent) -> list[RequiredFriction]:
         """Return the largest friction for each sign on a body at rest; ratio: the

@@ -61,13 +61,6 @@ class ForceHistory:
     # of each side, +1 right and -1 left: gives the forces at `Instants`
     statics: Mapping[float, Any]
 
-    @property
-    def lost(self) -> float | None:
-        """The first instant tau without contact with the ground; None if there is none,
-        or if it is not known, as of a mechanism.
-        """
-        return None
-
     def forces_at(self, arc: Array, tau: Array) -> Measured:
         """Return the forces at times tau; arc: the index of the arc of each time, all
         on one side. The values of an arc hold at both of its ends.

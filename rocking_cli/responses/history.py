@@ -90,13 +90,13 @@ def history(
             f" before tau = {LONGEST:g}"
         )
     duration = max(motion.duration / omega, duration)
-    segments = system.segments(motion.coarsest.still_until(1.001 * duration * omega))
+    shaking = motion.coarsest.still_until(1.001 * duration * omega)
     kind: type[MarchWriter] = MarchWriter
     if system.devices is not None:
         from .tied_history import TiedWriter
 
         kind = TiedWriter
-    return kind(system, segments, omega).record(amplitude, release, duration)
+    return kind(system, shaking, omega).record(amplitude, release, duration)
 
 
 def quarter_period(system: System, release: float) -> float:

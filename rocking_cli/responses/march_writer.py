@@ -3,6 +3,7 @@ contact.
 """
 
 import math
+from dataclasses import replace
 
 import numpy as np
 
@@ -12,7 +13,7 @@ from ..dynamics.one.march import march
 from ..dynamics.one.state import Ended, Listener
 from ..dynamics.outcome import FALLEN, LOST, Outcome
 from ..dynamics.system import System
-from ..motions.segments import Segments
+from ..motions.motion import Motion
 from .arcs import INVISIBLE, Event, History, HistoryArcs, Writer
 
 
@@ -20,10 +21,12 @@ class MarchWriter(Writer, Listener):
     """Writes down the march of one body on floats."""
 
     visible = INVISIBLE
+    # True if the history of a body that loses contact ends there
+    ends_at_loss = False
 
-    def __init__(self, system: System, segments: Segments, omega: float) -> None:
+    def __init__(self, system: System, motion: Motion, omega: float) -> None:
         super().__init__(system.equation, omega)
-        self.lane = Lane(system, segments, omega)
+        self.lane = Lane(system, motion, omega)
         self.fallen = self._fallen(1.0), self._fallen(-1.0)
 
     def _fallen(self, side: float) -> float:
@@ -49,14 +52,19 @@ class MarchWriter(Writer, Listener):
 
     def _history(self, ended: Ended, duration: float) -> History:
         """Return the history of a march that has ended so."""
-        arcs = self.arcs()
+        arcs, loses = self.arcs(), ended.outcome == Outcome.LOST_CONTACT
+        lost = min((e.tau for e in self.events if e.event == LOST), default=ended.lost)
+        # A body that overturns has overturned whatever its Fz.
+        if not (loses and self.ends_at_loss):
+            self.events = [e for e in self.events if e.event != LOST]
         if ended.outcome.overturned:
             self._overturn(arcs)
-        if ended.outcome == Outcome.LOST_CONTACT and ended.lost is not None:
+        if loses and ended.lost is not None:
             self._lose(arcs, ended.lost)
-        return self.history(
+        found = self.history(
             arcs, duration, self._became(ended.outcome), ended.theta_ratio
         )
+        return replace(found, lost=lost)
 
     def _became(self, outcome: Outcome) -> Outcome:
         words = [e.event for e in self.events]

@@ -10,12 +10,10 @@ import numpy as np
 from ..dynamics.one.lane import Lane
 from ..dynamics.one.march import march
 from ..dynamics.one.state import Ended, LawOfDevices
-from ..dynamics.outcome import LOST, Outcome
 from ..dynamics.system import System
 from ..dynamics.tied.devices import BROKEN, YIELDING, Devices
 from ..dynamics.tied.tied_lanes import TiedLanes
 from ..motions.motion import Motion
-from ..motions.segments import Segments
 from .arcs import DeviceForces, History, HistoryArcs
 from .march_writer import MarchWriter
 
@@ -25,8 +23,10 @@ STATES = ("elastic", "yielded", "broken")  # of ties and tendons
 class TiedWriter(MarchWriter):
     """Writes down the march of one body with ties or a tendon."""
 
-    def __init__(self, system: System, segments: Segments, omega: float) -> None:
-        super().__init__(system, segments, omega)
+    ends_at_loss = True
+
+    def __init__(self, system: System, motion: Motion, omega: float) -> None:
+        super().__init__(system, motion, omega)
         assert system.devices is not None
         self.devices, force = system.devices, system.devices.prestress
         self.laws = [LawOfDevices(0.0, 0, force.max(axis=0), 0.0 * force[0], force)]
@@ -39,11 +39,6 @@ class TiedWriter(MarchWriter):
         super()._overturn(arcs, last)
 
     def _history(self, ended: Ended, duration: float) -> History:
-        # A body that overturns has overturned whatever its Fz, as a body without ties.
-        lost = None
-        if ended.outcome != Outcome.LOST_CONTACT:
-            lost = min((e.tau for e in self.events if e.event == LOST), default=None)
-            self.events = [e for e in self.events if e.event != LOST]
         assert ended.restraints is not None
         rows = tuple(device_rows(self.devices, ended.restraints))
         columns = (np.array(x) for x in zip(*self.laws, strict=True))
@@ -52,7 +47,7 @@ class TiedWriter(MarchWriter):
             self.devices, start, row, fixed.T, rate.T, np.moveaxis(held, 0, -1)
         )
         found = super()._history(ended, duration)
-        return replace(found, devices=rows, device_forces=forces, lost=lost)
+        return replace(found, devices=rows, device_forces=forces)
 
 
 def device_rows(devices: Devices, found: TiedLanes) -> list[dict[str, Any]]:
@@ -118,7 +113,7 @@ def with_capacity(
     assert devices is not None
     if not (np.isfinite(devices.force) & np.isinf(devices.ultimate)).any():
         return rows
-    lane = Lane(system, system.segments(motion.coarsest), omega)
+    lane = Lane(system, motion.coarsest, omega)
     with np.errstate(all="ignore"):
         found = march(lane, amplitude, peaks=False).restraints
     assert found is not None

@@ -242,9 +242,6 @@ class TimeHistory(Shown):
     def outcome(self, model: str) -> Outcome:
         """Return the outcome by one equation.
 
-        A body that rocks has lost contact if its forces are known and Fz <= 0 at some
-        time.
-
         Parameters
         ----------
         model
@@ -254,25 +251,15 @@ class TimeHistory(Shown):
         -------
         Outcome
         """
-        return (
-            self.histories[model].outcome
-            if self._lost(model) is None
-            else Outcome.LOST_CONTACT
-        )
+        return self.histories[model].outcome
 
     def _lost(self, model: str) -> float | None:
         """Return the first instant tau with Fz <= 0 of a body that does not overturn;
-        None without one, if forces are not known, and for a body with ties, whose march
-        checks Fz itself.
+        None without one, and for a body with ties, whose history ends there.
         """
         found = self.histories[model]
-        falls = found.outcome not in (Outcome.ROCKED, Outcome.LOST_CONTACT)
-        if falls or found.devices:
-            return None
-        try:
-            return self.forces[model].lost
-        except UsageError:  # forces of other mechanisms
-            return None
+        loses = found.outcome == Outcome.LOST_CONTACT
+        return found.lost if loses and not found.devices else None
 
     def _events(self, model: str) -> Iterator[Event]:
         """Yield the events up to tau = `shown`, or up to the loss of contact."""

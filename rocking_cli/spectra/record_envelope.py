@@ -129,10 +129,7 @@ class Tracing:
                     _first_falls(search, omegas)
                     if self.first
                     else steps_under_records(
-                        [
-                            RecordSearch(structure, self.scene.method, search, omega)
-                            for omega in omegas.tolist()
-                        ]
+                        [RecordSearch(search, omega) for omega in omegas.tolist()]
                     )
                 )
                 found = [

@@ -10,10 +10,11 @@ differ are computed again with tolerance 1e-13 by both marches, at five amplitud
 within 2e-12, and listed. So are cells whose rotations differ by more than 1e-8 (a few
 of each scene): they count as `conditioned` if the march on floats is within 1e-9 times
 1 + d theta/d ln A of the finer one. `--only` is a pattern of kinds and motions, such as
-`arch` or `plain.*record`. `--tied` draws bodies with ties and a tendon; what a package
-without vertical motion under them knows is `--only "tied (?!.*vertical)"`. With `--base
-DIR` the package in DIR takes the place of the
-march on floats, in a process of its own; its systems must hold their restitution.
+`arch` or `plain.*record`. `--stocky` draws free bodies of alpha from 0.4 to 1.1, which
+may lose contact with the ground. `--tied` draws bodies with ties and a tendon; what a
+package without vertical motion under them knows is `--only "tied (?!.*vertical)"`. With
+`--base DIR` the package in DIR takes the place of the march on floats, in a process of
+its own; its systems must hold their restitution.
 """
 
 import argparse
@@ -42,7 +43,8 @@ APART, LOOKED_AT = (
     1e-8,
     2,
 )  # rotations that differ by more are looked at, so many a scene
-TIED = 10**9  # scenes of tied bodies have numbers from here on
+# scenes of tied bodies, and of stocky ones, have numbers from here on
+TIED, STOCKY = 10**9, 2 * 10**9
 EDGES = (
     "plain",
     "unequal",
@@ -151,7 +153,7 @@ def pieces(random: np.random.Generator) -> Motion:
 def scene(seed: int) -> Scene:
     """The scene of this number."""
     random = np.random.default_rng(seed)
-    if seed >= TIED:
+    if TIED <= seed < STOCKY:
         return tied_scene(random)
     edges = EDGES[seed % len(EDGES)]
     model = ("linear", "nonlinear")[seed // len(EDGES) % 2]
@@ -163,7 +165,7 @@ def scene(seed: int) -> Scene:
         edges, model, body = "arch", "nonlinear", ARCH
     else:
         low = 10.0 ** random.uniform(-2.0, 0.0)
-        alpha = (low, min(1.2, 1.1 * low))
+        alpha = (low, min(1.2, 1.1 * low)) if seed < STOCKY else (0.4, 1.1)
         body, _, _ = random_body(f"{edges} {model}", random, alpha, (0.3, 0.99), 0.3)
         if "one-sided" in edges:
             eta = -np.minimum(eta, 0.98)
@@ -359,6 +361,7 @@ def main() -> None:
     parser.add_argument("--only", default="")
     parser.add_argument("--base", default="")
     parser.add_argument("--tied", action="store_true")
+    parser.add_argument("--stocky", action="store_true")
     parser.add_argument("--serve", action="store_true")
     asked = parser.parse_args()
     if asked.serve:
@@ -366,7 +369,7 @@ def main() -> None:
         return
     counts, near, listed = Counter(), 0, Counter()
     other, spent = Other(asked.base), 0.0
-    number = asked.seed * 1_000_000 + TIED * asked.tied
+    number = asked.seed * 1_000_000 + TIED * asked.tied + STOCKY * asked.stocky
     while counts.total() < asked.cells:
         one, number = scene(number), number + 1
         if not re.search(asked.only, one.name):

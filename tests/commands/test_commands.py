@@ -155,7 +155,7 @@ def test_a_command_that_computes_one_direction_of_unequal_sides_says_so(
 RECORD = "configs/motions/synthetic.at2"
 ARCH, RECORDS = "rocking_cli.structures.kinds.arch", "rocking_cli.motions.records"
 BODY = "rocking_cli.dynamics.equations.rigid_body"
-LOSS = "rocking_cli.dynamics.observers.contact_loss"
+WATCH = "rocking_cli.dynamics.observers.contact_watch"
 
 
 LOADED = """
@@ -210,7 +210,7 @@ def loaded(arguments: str, folder: Path) -> dict[str, str]:
                 RECORDS,
                 "rocking_cli.spectra.file.reader",
                 BODY,
-                LOSS,
+                WATCH,
             ],
         ),
         (

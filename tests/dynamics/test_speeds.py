@@ -93,7 +93,7 @@ def test_the_largest_speed_by_another_integration(model, body, damping):
         found.theta_ratio, plain.theta_ratio, rtol=1e-9, atol=0
     )  # jumps are cut where a speed may hide
     assert set(found.outcome) == {Outcome.ROCKED}
-    np.testing.assert_allclose(speed, marched.speed.largest, rtol=1e-10)
+    np.testing.assert_allclose(speed, marched.largest, rtol=1e-10)
     for i in range(2):  # one is fastest in the air, the other one at an impact
         assert speed[i] == pytest.approx(
             fastest(model, body, amplitude[i], omega[i], eta), rel=1e-5

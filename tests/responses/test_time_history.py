@@ -77,7 +77,7 @@ def test_a_body_that_needs_pulling_down_is_not_called_safe():
         motion = with_vertical(sine(), cosine(3), scale)
         found = time_history(body, motion, shaking, [Method("nonlinear")])
         (said,) = found.summaries()
-        assert found.histories["nonlinear"].outcome == Outcome.ROCKED
+        assert found.histories["nonlinear"].outcome == outcome
         assert (found.forces["nonlinear"].extremes.fz_min <= 0.0) == (
             outcome == Outcome.LOST_CONTACT
         )

@@ -51,8 +51,9 @@ def test_each_equation_is_as_by_itself(both):
     for method, suffix in ((NONLINEAR, ""), (Method(), "_linear")):
         alone = spectrum([STOCKY], sine(), GRID, method=method, check=0)
         np.testing.assert_array_equal(file.array(f"outcome{suffix}"), alone.outcome)
-        np.testing.assert_array_equal(
-            file.array(f"theta_ratio{suffix}"), alone.theta_ratio
+        # Watched cells go by series, those of a linear sweep by the exact flow.
+        np.testing.assert_allclose(
+            file.array(f"theta_ratio{suffix}"), alone.theta_ratio, rtol=1e-12
         )
     inside = spectrum(
         [STOCKY], sine(), GRID, method=NONLINEAR, quantities=["linear"], check=0

@@ -67,13 +67,6 @@ class LinearFlow(Arrays):
         """Rate of the fastest change [1/tau]."""
         return 1.0 + self.w
 
-    def speed_bound(self, h: Array) -> Array:
-        """Return a bound of |y'| until h."""
-        sinh, cosh, w = np.sinh(h), np.cosh(h), self.w
-        driven = np.abs(self.sin) * (cosh + 1.0) + np.abs(self.cos) * (w * sinh + 1.0)
-        free = np.abs(self.v) * cosh + np.abs(self.b) * sinh
-        return np.asarray(free + driven * (w / (1.0 + w * w)))
-
     def at(self, h: Array) -> Instant:
         """The state after h >= 0 [tau], exact up to rounding."""
         half = np.sinh(0.5 * h)

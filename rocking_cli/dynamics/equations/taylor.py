@@ -411,6 +411,21 @@ def line_drive(segments: Segments, lanes: OnLine, unit: Array | None = None) -> 
     return drive
 
 
+def weight_series(segments: Segments, lanes: Lanes, order: int) -> TaylorSeries | None:
+    """Return the series of the weight over m g of lanes from now on, up to term `order`
+    under sinusoids; None where it is constant.
+    """
+    if segments.weighed is None:
+        return None
+    if segments.straight:
+        drive = line_drive(segments, lanes)
+    else:
+        drive, _ = drive_series(segments, lanes, order)
+    assert drive.weight is not None
+    unit = drive.unit
+    return TaylorSeries(drive.weight.array[:, : unit.size], unit, unit, 1.0 / unit)
+
+
 def line_series(
     equation: Recurrence,
     y: Array,

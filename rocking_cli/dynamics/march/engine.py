@@ -27,6 +27,7 @@ from ..condition import (
 from ..contacts.sequences import STILL
 from ..drive import place
 from ..equations.equation import Equation
+from ..equations.taylor import TaylorSeries, weight_series
 from ..lanes import Lanes
 from ..observers.observer import Arcs, Observer
 from ..outcome import FALLEN, Outcome, Work
@@ -71,9 +72,9 @@ def ahead_of(
     batch: Batch, observers: Sequence[Observer]
 ) -> "OverSamples | WholeLines | None":
     """Return what takes lanes of a batch ahead in the air, None under a motion without
-    straight lines, or if an observer must see all of the motion.
+    straight lines.
     """
-    if not (batch.segments.straight and all(one.selects for one in observers)):
+    if not batch.segments.straight:
         return None
     if batch.equation.bounded and batch.segments.of_samples and not observers:
         from .over_samples import OverSamples
@@ -92,11 +93,12 @@ class Run:
     ) -> None:
         keep_freed_memory()
         self.batch = batch
-        few = batch.segments.straight or batch.equation.has_exact_flow(batch.segments)
+        # True for exact flows; observers see series
+        self.exact = not observers and batch.equation.has_exact_flow(batch.segments)
+        few = batch.segments.straight or self.exact
         self.pool = pool or (_LARGE_POOL if few else _POOL)
         self.observers = list(observers)  # objects that see the motion of the lanes
         self.proofs, self.after_rest = proofs_of(batch, bool(observers))
-        self.tops = batch.peaks or bool(observers)  # True if all peaks are wanted
         # takes lanes in the air over lines of a record
         self.ahead = ahead_of(batch, observers)
         # results so far, as in `Response`, (cells,)
@@ -106,7 +108,7 @@ class Run:
         self.condition = np.full(batch.size, np.nan)
         # True for damped cells after an impact on still ground, (cells,)
         self.bounced = np.zeros(batch.size, dtype=bool)
-        self.work = Work(cells=batch.size)
+        self.work = Work()
         # a body that leans on its wall loses the ground too
         if batch.free_fall is not None:
             self._lose_contact(np.flatnonzero(batch.free_fall.occurs))
@@ -118,10 +120,10 @@ class Run:
             batch.contact.strongest(batch.cells.amplitude, batch.segments, batch.first)
             > 1.0
         )
-        if cells is not None:
-            lifts &= np.isin(np.arange(batch.size), cells)
-        waiting = np.flatnonzero(lifts)
-        self.work.no_uplift += lifts.size - waiting.size
+        every = np.arange(batch.size) if cells is None else cells
+        waiting = every[lifts[every]]
+        self.work.cells += every.size
+        self.work.no_uplift += every.size - waiting.size
         # Under a record cells with about the same time between samples go together.
         # Else bodies that are hardly lifted, and may bounce for long, begin first: so
         # the last rounds have few lanes.
@@ -216,12 +218,12 @@ class Run:
         lanes.steps += 1
         until = np.inf if batch.free_fall is None else batch.free_fall.time_left(lanes)
         equation = batch.equation.on(lanes.side, lanes.cell)
-        if equation.has_exact_flow(seg):
+        if self.exact:
             from .exact import advance_exactly
 
-            step = advance_exactly(seg, lanes, until, self.tops)
+            step = advance_exactly(seg, lanes, until, batch.peaks)
         else:
-            step = advance(seg, lanes, equation, until, self.tops)
+            step = advance(seg, lanes, equation, until, batch.peaks)
         self.work.impacts += int(np.count_nonzero(step.hit))
         self.work.steps += step.hit.size
 
@@ -246,7 +248,7 @@ class Run:
             self._carry_errors(lanes, step, equation)
         np.maximum(lanes.peak, step.top, out=lanes.peak)
         if self.observers:
-            self._show(lanes, step, np.flatnonzero(~ended))
+            self._show(lanes, step, ~ended)
 
         landed = np.flatnonzero(step.hit & ~ended)
         some = lanes.take(landed)
@@ -304,13 +306,13 @@ class Run:
         lanes.moments[3, at] = rate * rate * moment
 
     def _show(self, lanes: Lanes, step: StepResult, wanted: Array) -> None:
-        """Show the steps to the observers; wanted: indices of lanes that are still
+        """Show the steps to the observers; wanted: True for lanes that are still
         open.
         """
-        end, hit, arc = step.end, step.hit, step.arc
-        y, v = np.where(hit, 0.0, end.y), np.where(hit, step.impact_v, end.v)
-        force = np.where(hit, step.impact_force, end.b + 2.0 * arc.damping * end.v)
-        arcs = Arcs(lanes, arc, step.reach, y, v, force, wanted, step.fastest())
+        assert isinstance(step.arc, TaylorSeries)
+        weight = weight_series(self.batch.segments, lanes, len(step.arc.terms) - 1)
+        bounds = step.fastest, step.acceleration
+        arcs = Arcs(lanes, step.arc, step.reach, *bounds, wanted, weight)
         for observer in self.observers:
             observer.arcs(arcs)
 

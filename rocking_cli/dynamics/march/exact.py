@@ -57,7 +57,6 @@ def advance_exactly(
         top,
         top_at,
         _LAST_DIGIT * rounding,
-        lambda: arc.speed_bound(reach),
     )
 
 

@@ -251,8 +251,13 @@ class WholeLines:
         if self.observers:
             highest = np.maximum(some.y, end.y) + 0.125 * end.acceleration
             fastest = np.maximum(np.abs(terms[1]), np.abs(end.first)) + 0.125 * end.jerk
+            bounds = highest, fastest / h, end.acceleration / (h * h)
+            lightest = 1.0
+            if drive.weight is not None:
+                start, gain = drive.weight.array[:, : h.size]
+                lightest = np.minimum(start, start + gain)
             for one in self.observers:
-                clear &= ~one.needs(some.side, some.cell, highest, fastest / h)
+                clear &= ~one.needs(some.side, some.cell, *bounds, lightest)
         np.copyto(some.y, end.y, where=clear)
         np.copyto(some.v, end.first / h, where=clear)
         some.time += h * clear

@@ -11,20 +11,22 @@ from ..equations.taylor import TaylorSeries
 from ..lanes import Lanes
 
 if TYPE_CHECKING:
-    from ..equations.linear_flow import LinearFlow
+    from ..tied.devices import Branch
 
 
 class Arcs(NamedTuple):
-    """Motion of lanes from their present state until `stop`, each along its flow."""
+    """Steps of lanes from their present state. Every array is (lanes,)."""
 
     lanes: Lanes  # the present state
-    flow: "TaylorSeries | LinearFlow"  # series or exact flow of these lanes
-    stop: Array  # end of the motion after the present state [tau], (lanes,)
-    y: Array  # displacement at `stop`, in the unit of the side, (lanes,)
-    v: Array  # velocity y' at `stop`, by tau, (lanes,)
-    force: Array  # y'' + 2 zeta y' at `stop`, (lanes,)
-    wanted: Array  # indices of the lanes whose outcome is still open, (wanted,)
-    fastest: Array = np.zeros(0)  # bound of |y'| until `stop`, (lanes,)
+    arc: TaylorSeries  # the motion from there
+    reach: Array  # time that the lane goes along it [tau]
+    fastest: Array  # bound of |y'| on the way
+    acceleration: Array  # bound of |y''| on the way
+    wanted: Array  # True for lanes whose outcome is still open
+    # the weight over m g from now on, None where it is constant
+    weight: TaylorSeries | None = None
+    # row of the devices of the side, and their branches; None without devices
+    held: "tuple[Array, Branch] | None" = None
 
 
 class Observer:
@@ -32,15 +34,20 @@ class Observer:
     that it needs.
     """
 
-    # True if `needs` tells which arcs the observer must see; otherwise it sees them all
-    selects = False
-
     def arcs(self, arcs: Arcs) -> None:
         """Called when lanes have moved along these arcs."""
 
-    def needs(self, side: Array, cell: Array, highest: Array, fastest: Array) -> Array:
+    def needs(
+        self,
+        side: Array,
+        cell: Array,
+        highest: Array,
+        fastest: Array,
+        acceleration: Array,
+        lightest: Array | float,
+    ) -> Array:
         """True where the observer must see an arc of a cell on a side, with these
-        bounds of y and of |y'|, (lanes,) each.
+        bounds of y, |y'| and |y''|, and this least weight over m g, (lanes,) each.
         """
         return np.ones(side.size, dtype=bool)
 

@@ -11,22 +11,23 @@ import numpy as np
 from ...arrays import Array
 from ..batch import Batch
 from ..lanes import Lanes
-from .extremes import ExtremePoint, Extremes, TimeSpans, parts
 from .observer import Arcs, Observer
+
+# equidistant instants of a step at which the speed is computed, and then as many times
+# between the neighbours of the fastest: a parabola gives the largest to 1e-6
+_INSTANTS, _ROUNDS = 9, 3
 
 
 class PeakSpeed(Observer):
-    """The observer that finds max |d theta/d tau|/alpha [-] of each cell, in `speed`;
+    """The observer that finds max |d theta/d tau|/alpha [-] of each cell, in `largest`;
     tau = p t, with p and alpha of the reference.
     """
-
-    selects = True
 
     def __init__(self, batch: Batch) -> None:
         self.equation = batch.equation
         self.contact = batch.contact
         self.shaken = batch.shaken
-        self.speed = Extremes(np.zeros(batch.size))
+        self.largest = np.zeros(batch.size)
 
     def _speed(self, side: Array, cell: Array, y: Array, v: Array) -> Array:
         """|d theta/d tau|/alpha of lanes of these cells on these sides."""
@@ -37,56 +38,48 @@ class PeakSpeed(Observer):
         )
 
     def arcs(self, arcs: Arcs) -> None:
-        lanes, arc, reach, y, v, _, _, fastest = arcs
-        self.speed.include(lanes.cell, self._speed(lanes.side, lanes.cell, y, v))
-        # The speed is largest at the end of a step, or where y'' is 0 inside it.
-        highest = np.maximum(arc.y, y) + 0.5 * reach * fastest
-        at = np.flatnonzero(self.needs(lanes.side, lanes.cell, highest, fastest))
+        side, cell = arcs.lanes.side, arcs.lanes.cell
+        highest = arcs.lanes.y + arcs.reach * arcs.fastest
+        exceeds = self._exceeds(side, cell, highest, arcs.fastest)
+        at = np.flatnonzero(arcs.wanted & exceeds)
         if not at.size:
             return
-        side, cell, arc = lanes.side[at], lanes.cell[at], arc.take(at)
-        zero = np.zeros(at.size)
-        end = arc.at(reach[at])
+        every = np.repeat(at, _INSTANTS)
+        side, own, arc = side[every], cell[every], arcs.arc.take(every)
+        lanes, low, high = np.arange(at.size), np.zeros(at.size), arcs.reach[at]
+        for _ in range(_ROUNDS):
+            h = np.linspace(low, high, _INSTANTS, axis=1)
+            point = arc.at(h.ravel())
+            speeds = self._speed(side, own, point.y, point.v).reshape(h.shape)
+            middle = np.clip(np.argmax(speeds, axis=1), 1, _INSTANTS - 2)
+            low, high = h[lanes, middle - 1], h[lanes, middle + 1]
+        before, here, after = (speeds[lanes, middle + i] for i in (-1, 0, 1))
+        with np.errstate(all="ignore"):
+            top = here + (after - before) ** 2 / (8.0 * (2.0 * here - before - after))
+        inside = here > np.maximum(before, after)
+        found = np.where(inside, top, np.maximum(np.maximum(before, after), here))
+        np.fmax.at(self.largest, cell[at], found)
 
-        for sign in (1.0, -1.0):  # outwards and inwards
-
-            def rates(
-                own: Array, y: Array, *of: Array, sign: float = sign
-            ) -> ExtremePoint:
-                equation = self.equation.on(side[own], cell[own])
-                speed, slope = (
-                    sign
-                    * self.contact.speed(
-                        side[own], cell[own], equation.rotation_rate(y, x)
-                    )
-                    for x in of
-                )
-                return ExtremePoint(speed, slope)
-
-            def along(own: Array, h: Array, rates: Any = rates) -> ExtremePoint:
-                point = arc.take(own).at(h)
-                return rates(own, point.y, point.v, point.b)
-
-            indices = np.arange(at.size)
-            whole = TimeSpans(indices, zero, reach[at], arc.fastest)
-            ends = (
-                rates(indices, arc.y, arc.v, arc.b),
-                rates(indices, end.y, end.v, end.b),
-            )
-            s, one, other = parts(along, whole, *ends)
-            self.speed.search(cell[s.own], along, s, one, other)
-
-    def needs(self, side: Array, cell: Array, highest: Array, fastest: Array) -> Array:
+    def _exceeds(
+        self, side: Array, cell: Array, highest: Array, fastest: Array
+    ) -> Array:
+        """True where a body with these bounds of y and |y'| may be faster than so far,
+        or the bound is NaN.
+        """
         ends = (self._speed(side, cell, y, fastest) for y in (0.0 * highest, highest))
-        return self.speed.can_exceed(cell, np.maximum(*ends))
+        return ~(np.maximum(*ends) <= self.largest[cell])
+
+    def needs(
+        self, side: Array, cell: Array, highest: Array, fastest: Array, *_: Any
+    ) -> Array:
+        return self._exceeds(side, cell, highest, fastest)
 
     def free(self, lanes: Lanes) -> None:
         zero = np.zeros(lanes.cell.size)
         there = self.equation.on(lanes.side, lanes.cell)
         at_ground = np.sqrt(2.0 * there.fall(lanes.y, lanes.v)[1])
-        self.speed.include(
-            lanes.cell, self._speed(lanes.side, lanes.cell, zero, at_ground)
-        )
+        speed = self._speed(lanes.side, lanes.cell, zero, at_ground)
+        np.fmax.at(self.largest, lanes.cell, speed)
 
     def may_settle(self, lanes: Lanes, bounced: Array) -> Array:
         """False for lanes that fall for the first time on still ground: the march

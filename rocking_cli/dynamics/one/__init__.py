@@ -13,7 +13,6 @@ one structure under one motion.
     held_state    the state of a body with restraints, and its end
     held_march    its march, which ends steps at ends of branches too
     march         of either
-    lost_contact  lost contact, along the arcs of a march
     one_by_one    outcomes and rotations of cells, one after the other
 
 Every operation on an array costs a call: below a few hundred cells the march under a

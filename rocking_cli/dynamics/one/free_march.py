@@ -81,6 +81,7 @@ class March(MarchState):
 
     def _release(self, release: float) -> None:
         """Put the body on its right side at theta/alpha = release."""
+        self.doubtful = self.lane.body is not None
         first = self.equation.on(np.ones(1))
         self.y = float(first.displacement(np.array([release]))[0])
         self.peak = max(self.peak, self.y)
@@ -331,7 +332,7 @@ class March(MarchState):
             return False
         lanes = self._lanes()
         ends = self.v < self.still or self._sequence_ends(lanes)
-        return ends and (self.listener is None or self.listener.may_rest(lanes))
+        return ends and (not self.doubtful or bool(self.watch.may_rest(lanes)[0]))
 
     def _sequence_ends(self, lanes: Lanes) -> bool:
         """True if Lemma 7 proves that the bounces end in rest."""

@@ -231,12 +231,9 @@ class HeldMarch(HeldState):
             self._finish(Outcome.ROCKED)
 
     def _sequence_ends(self, lanes: Lanes) -> bool:
-        """True if the bounces end in rest (Lemma 7) and keep contact (Lemma 13)."""
+        """True if the bounces end in rest (Lemma 7)."""
         assert isinstance(lanes, TiedLanes)
-        bounces = self.restraints.bounces
-        return bool(
-            bounces.end(lanes)[0] and (lanes.lost[0] or bounces.keep_contact(lanes)[0])
-        )
+        return bool(self.restraints.bounces.end(lanes)[0])
 
     def _sequence_time(self, lanes: Lanes) -> float:
         assert isinstance(lanes, TiedLanes)

@@ -4,30 +4,23 @@ with the ground and its end.
 
 import math
 from bisect import bisect_left
-from collections.abc import Sequence
 from dataclasses import fields
-from operator import mul
 
 import numpy as np
 
-from ..equations.taylor import TaylorSeries
 from ..lanes import Lanes
-from ..march.roots import from_powers
-from ..outcome import LOST, Outcome
-from ..tied.contact_watch import Steps
-from ..tied.series import Step
+from ..outcome import Outcome
+from ..tied.devices import Branch
 from ..tied.tied_lanes import TiedLanes
 from ..tied.transitions import Transitions
 from .free_march import March
 from .lane import LaneEdge
 from .lane_restraints import ONE
 from .state import Ended, LawOfDevices
-from .step import BENDS, NUMBERS, shorter, value
 
 # largest |y| of a touch over the peak: this part of the tolerance of y, or rounding;
 # to it comes what the last step leaves out
 _TOUCH, _ROUNDING = 1e-2, 1e-13
-_KNOWN = (Outcome.NO_UPLIFT, Outcome.ROCKED, Outcome.LEANING)
 
 
 class HeldState(March):
@@ -86,68 +79,8 @@ class HeldState(March):
             self.reached[row] = y
             self.changes.stretch(self.ties, ONE, self.held.row, np.array([y]))
 
-    def _keep(self, reach: float, h: float, terms: Sequence[float]) -> None:
-        self._watch_contact(reach, h, list(terms))
-        super()._keep(reach, h, terms)
-
-    def _watch_contact(self, reach: float, h: float, terms: list[float]) -> None:
-        """Find out whether Fz <= 0 occurs on a step; note the first such instant."""
-        watch = self.restraints.watch
-        if watch is None or self.ties.lost[0] or reach == 0.0:
-            return
-        own = terms if reach == h else shorter(terms, reach / h)
-        sizes = list(map(abs, own))
-        speed, bend = (sum(map(mul, x, sizes)) for x in (NUMBERS, BENDS))
-        if self._contact_proved(reach, speed, bend):
-            return
-        # The Bernstein coefficients of y' bound it more closely.
-        rate = list(map(mul, NUMBERS[1:], own[1:]))
-        speeds = from_powers(len(rate)) @ rate
-        speed = float(np.abs(speeds).max())
-        bend = float(np.abs(np.diff(speeds)).max()) * (len(rate) - 1.0)
-        if self._contact_proved(reach, speed, bend):
-            return
-        steps = self._as_arrays(reach, own, speed, bend)
-        lost, around = watch.losses(steps, self.ties.lost)
-        if lost.size:
-            self.ties.lost[0] = True
-            if self.listener is not None:
-                instant = float(watch.first(steps, *around)[0])
-                y, v = value(own, instant / reach, reach)
-                self._note(LOST, y, v, instant * self.edge.omega)
-
-    def _contact_proved(self, reach: float, speed: float, bend: float) -> bool:
-        """True if the largest speed and acceleration of a step leave Fz > 0, times the
-        duration of the step and its square.
-        """
-        alpha, kappa, unit = self.restraints.feet[self.edge.side]
-        highest = unit * (self.y + speed) - alpha
-        lean, over = min(max(alpha, highest), 1.0), 1.0 / (reach * reach)
-        lightest, weight = 1.0, self.weight
-        if weight is not None:
-            share = reach / self.factors_of[0]
-            lightest = weight[0]
-            for w in weight[1:]:
-                lightest -= abs(w) * share
-                share *= reach / self.factors_of[0]
-        downwards = (lean * bend + unit * speed * speed) * over
-        return kappa * unit * downwards < lightest
-
-    def _as_arrays(
-        self, reach: float, terms: list[float], speed: float, bend: float
-    ) -> Steps:
-        """This step as the step of one lane."""
-        none, h, zeta = np.zeros(1), np.array([reach]), self.lane.zeta
-        arc = TaylorSeries(np.array(terms)[:, None], h, h, none, zeta)
-        of_weight = None
-        if self.weight is not None:
-            unit = np.array([self.factors_of[0]])
-            rows = np.array(self.weight)[:, None]
-            of_weight = TaylorSeries(rows, unit, unit, none)
-        fastest, bends = np.array([speed]) / h, np.array([bend]) / (h * h)
-        step = Step(arc, h, arc.at(h), none, none, fastest, bends, none)
-        held = self.held
-        return Steps(self._lanes(), held.row, held.now, step, h, of_weight)
+    def _devices_now(self) -> tuple[np.ndarray, Branch]:
+        return self.held.row, self.held.now
 
     def _moments_at(self, y: float, v: float, t: float) -> tuple[float, float, float]:
         yy, yv, vv = super()._moments_at(y, v, t)
@@ -212,9 +145,6 @@ class HeldState(March):
         return False
 
     def _finish(self, outcome: Outcome) -> Ended:
-        if self.ties.lost[0]:
-            self.free_fall = None  # contact is lost before it, or the body falls
-            outcome = Outcome.LOST_CONTACT if outcome in _KNOWN else outcome
         self.ties.y[0] = self.y
         self.changes.keep_yield(self.ties, ONE, self.held.row)
         self.end = super()._finish(outcome)._replace(restraints=self.ties)

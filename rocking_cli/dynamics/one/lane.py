@@ -3,17 +3,21 @@ on each.
 """
 
 import math
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from ...motions.segments import Segments
+from ...motions.motion import Motion
 from ..batch import SETTLING
+from ..body import Edge
 from ..equations.equation import Equation
 from ..equations.taylor import GROWTH, LONGEST, size_limits
 from ..lanes import Cells, Lanes
 from ..system import System
 from .motion_lists import MotionLists
+
+if TYPE_CHECKING:
+    from ..observers.contact_watch import ContactWatch
 
 # the longest of the first so many segments gives the number of terms of the series
 _SAMPLED = 1 << 12
@@ -50,7 +54,8 @@ class Lane:
     motion as lists.
     """
 
-    def __init__(self, system: System, segments: Segments, omega: float) -> None:
+    def __init__(self, system: System, motion: Motion, omega: float) -> None:
+        segments = system.segments(motion)
         self.omega = np.array([omega])
         self.shaken = len(segments)  # number of segments of the motion itself
         cells = system.contact.cells(system.equation, np.ones(1), self.omega)
@@ -68,12 +73,17 @@ class Lane:
         self.motion = MotionLists(segments)
         self.zeta = float(system.equation.damping)
         self.longest = float(np.max(segments.length[: min(self.shaken, _SAMPLED)]))
+        # amplitude above which contact with the ground is watched
+        self.safe = system.safe_amplitude(motion)
+        self.body = system.body  # forces on the ground, None if they are not known
         self.restraints = None  # ties and a tendon, None without them
         ends = np.full(2, np.inf)  # y of the right and the left side at which they fail
         if system.devices is not None:
             from .lane_restraints import LaneRestraints
 
             self.restraints = LaneRestraints(system, segments, system.devices)
+            self.body = system.devices.body
+            self.safe = math.inf if self.body is None else -math.inf
             ends = system.devices.lever_ends()
         # The edges under A = 1. A body that comes back on the same side has one edge.
         self._unit = {1.0: self._edge(cells, 1.0)}
@@ -84,6 +94,27 @@ class Lane:
             self._unit[-1.0] = self._edge(cells, -1.0)
         for (side, edge), end in zip(self._unit.items(), ends.tolist(), strict=False):
             self._unit[side] = edge._replace(limit=min(edge.limit, end))
+
+        # numbers of the edge of each side for the forces of the ground, floats
+        self.feet: dict[float, Edge] = {}
+        if self.body is not None:
+            for side in (1.0, -1.0):
+                foot = self.body.on(np.array([side]), np.zeros(1, dtype=np.int64))
+                self.feet[side] = Edge(*map(_float_of, foot))
+
+    def watch(self) -> "ContactWatch":
+        """Return what finds out whether the body loses contact; its forces on the
+        ground must be known.
+        """
+        from ..observers.contact_watch import ContactWatch
+
+        assert self.body is not None
+        bounces = None if self.restraints is None else self.restraints.bounces
+        equation, contact = self.system.equation, self.system.contact
+        watched = np.ones(1, dtype=bool)
+        return ContactWatch(
+            self.body, equation, contact, self.segments, watched, bounces
+        )
 
     def edges(self, amplitude: float) -> dict[float, LaneEdge]:
         """Return the edges, by the sign of their side, under a motion of this amplitude

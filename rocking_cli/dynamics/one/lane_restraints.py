@@ -11,7 +11,6 @@ from ...motions.segments import Segments
 from ..equations.taylor import LONGEST, growth_rate, size_limits
 from ..system import System
 from ..tied.bounces import Bounces
-from ..tied.contact_watch import ContactWatch
 from ..tied.devices import Branch, Devices
 from ..tied.series import HeldBody
 from ..tied.tied_lanes import TiedLanes
@@ -54,16 +53,6 @@ class LaneRestraints:
     def __init__(self, system: System, segments: Segments, devices: Devices) -> None:
         self.devices, self.equation = devices, system.equation
         self.bounces = Bounces(devices, system.contact, system.equation, segments)
-        self.watch = (
-            None if devices.body is None else ContactWatch(devices, devices.body)
-        )
-        # (alpha [rad], kappa, rotation of y = 1 [rad]) of the edge of each side
-        self.feet: dict[float, tuple[float, float, float]] = {}
-        if (body := devices.body) is not None:
-            for side in (1.0, -1.0):
-                edge = body.on(np.array([side]), ONE)
-                alpha, kappa, unit, *_ = (float(np.ravel(x)[0]) for x in edge)
-                self.feet[side] = alpha, kappa, unit
         # as of `Lane.size_limits`, by Omega and growth rate
         self.limits: dict[tuple[float, float], list[float]] = {}
         self._held: dict[tuple[float, bytes, bytes], BodyOnBranch] = {}

@@ -3,7 +3,7 @@
 import numpy as np
 
 from ...arrays import Array
-from ...motions.segments import Segments
+from ...motions.motion import Motion
 from ..batch import most_steps
 from ..system import System
 from .lane import Lane
@@ -24,16 +24,17 @@ class OneByOne:
     def __init__(
         self,
         system: System,
-        segments: Segments,
+        motion: Motion,
         cells: tuple[Array, Array],
         peaks: bool,
     ) -> None:
         self.amplitude, self.omega = (x.tolist() for x in cells)
         # number of steps beyond which a cell fails
-        self.most = most_steps(len(segments))
+        self.most = most_steps(len(system.segments(motion.coarsest)))
         # one lane for each Omega; it serves every amplitude
         self.lanes = {
-            omega: Lane(system, segments, omega) for omega in dict.fromkeys(self.omega)
+            omega: Lane(system, motion.coarsest, omega)
+            for omega in dict.fromkeys(self.omega)
         }
         size = len(self.amplitude)
         self.theta_ratio = np.empty(size)
@@ -49,12 +50,6 @@ class OneByOne:
                 self.theta_ratio[i] = ended.theta_ratio
                 self.impacts[i] = ended.impacts
                 self.condition[i] = ended.condition
-
-    def loses_contact(self, i: int) -> bool:
-        """True if the undamped body of cell i loses the ground."""
-        from .lost_contact import loses_contact
-
-        return loses_contact(self._lane(i), self.amplitude[i], self.most)
 
     def _lane(self, i: int) -> Lane:
         return self.lanes[self.omega[i]]

@@ -2,20 +2,28 @@
 
 import math
 from collections.abc import Sequence
+from functools import cached_property
+from operator import mul
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from ...arrays import Array
 from ..batch import FreeFall
+from ..body import relief
 from ..condition import ErrorMoments, along, at_free_peak, slope_between
 from ..contacts.sequences import STILL
-from ..equations.taylor import WITHIN
+from ..equations.taylor import WITHIN, TaylorSeries
 from ..lanes import Cells, Lanes
-from ..outcome import FALLEN, Outcome
+from ..march.roots import from_powers
+from ..observers.observer import Arcs
+from ..outcome import FALLEN, LOST, Outcome
 from .lane import Lane, LaneEdge
+from .step import BENDS, NUMBERS, shorter, value
 
 if TYPE_CHECKING:
+    from ..observers.contact_watch import ContactWatch
+    from ..tied.devices import Branch
     from ..tied.tied_lanes import TiedLanes
 
 
@@ -69,13 +77,6 @@ class Listener:
 
     def hold(self, law: "LawOfDevices") -> None:
         """Called where the force laws of ties and a tendon change."""
-
-    def may_rest(self, lanes: Lanes) -> bool:
-        """False where the body must bounce on instead of resting at once."""
-        return True
-
-    def free(self, lanes: Lanes) -> None:
-        """Called where an undamped body is left on still ground."""
 
 
 class LawOfDevices(NamedTuple):
@@ -147,6 +148,9 @@ class MarchState:
         )
         self.end: Ended | None = None  # None while the march goes on
         self.free_fall = FreeFall.of(lane.segments, self.cells, lane.shaken)
+        # True where Lemma 13 does not prove beforehand that the body keeps contact
+        self.doubtful = amplitude > lane.safe
+        self.lost = False  # True after Fz <= 0
         self._prepare()
 
     def _prepare(self) -> None:
@@ -162,8 +166,9 @@ class MarchState:
                 self._finish(Outcome.FAILED)
             return
         lanes = self._lanes()
-        if self.listener is not None:
-            self.listener.free(lanes)
+        if self.doubtful and not self.lost:
+            self.watch.free(lanes)
+            self.lost = bool(self.watch.lost(lanes.cell)[0])
         free = self.contact.free_motion(
             self.equation, lanes, np.array([0]), lanes.y, lanes.v
         )
@@ -209,6 +214,10 @@ class MarchState:
             most.overturns[0]
             or most.overturns_after_impact[0]
             or self._onto_first(float(most.peak[0])) > self.peak
+            or (
+                self.doubtful
+                and not self.watch.may_settle(self._lanes(), np.zeros(1))[0]
+            )
         ):
             return False
         self._finish(Outcome.ROCKED)
@@ -342,13 +351,78 @@ class MarchState:
             else Outcome.OVERTURNED_NO_IMPACT
         )
 
-    def _keep(self, reach: float, h: float, terms: Sequence[float]) -> None:
-        """Show an arc from the present instant on to the listener, if there is one."""
+    def _keep(self, reach: float, h: float, terms: list[float]) -> None:
+        """Watch contact along an arc from the present instant on, and show it to the
+        listener, if there is one.
+        """
+        shown = self.listener is not None and self.lane.body is not None
+        if (self.doubtful or shown) and not self.lost and reach:  # also of a fall
+            self._watch_contact(reach, h, terms)
         if self.listener is not None and not self.ending:
             start = self.lane.tau(self.segment, self.phase)
             pace = float(self.lane.omega[0]) / self.edge.omega
             arc = MarchedArc(start, reach, self.edge.side, pace, h, terms)
             self.listener.keep(arc)
+
+    @cached_property
+    def watch(self) -> "ContactWatch":
+        """Finds out whether the body loses contact with the ground."""
+        return self.lane.watch()
+
+    def _watch_contact(self, reach: float, h: float, terms: list[float]) -> None:
+        """Find out whether Fz <= 0 occurs on a step; note the first such instant."""
+        own = terms if reach == h else shorter(terms, reach / h)
+        sizes = list(map(abs, own))
+        speed, bend = (sum(map(mul, x, sizes)) for x in (NUMBERS, BENDS))
+        if self._presses(reach, speed, bend):
+            return
+        # The Bernstein coefficients of y' bound it more closely.
+        rate = list(map(mul, NUMBERS[1:], own[1:]))
+        speeds = from_powers(len(rate)) @ rate
+        speed = float(np.abs(speeds).max())
+        bend = float(np.abs(np.diff(speeds)).max()) * (len(rate) - 1.0)
+        if self._presses(reach, speed, bend):
+            return
+        arcs = self._as_arrays(reach, own, speed, bend)
+        self.lost = bool(self.watch.losses(arcs).size)
+        if self.lost and self.listener is not None:
+            instant = self.watch.first(arcs)
+            y, v = value(own, instant / reach, reach)
+            self._note(LOST, y, v, instant * self.edge.omega)
+
+    def _presses(self, reach: float, speed: float, bend: float) -> bool:
+        """True if the largest speed and acceleration of a step leave Fz > 0, times the
+        duration of the step and its square.
+        """
+        lightest, weight = 1.0, self.weight
+        if weight is not None:
+            share = reach / self.factors_of[0]
+            lightest = weight[0]
+            for w in weight[1:]:
+                lightest -= abs(w) * share
+                share *= reach / self.factors_of[0]
+        foot, over = self.lane.feet[self.edge.side], 1.0 / reach
+        taken = relief(foot, self.y + speed, speed * over, bend * over * over)
+        return bool(taken < lightest)
+
+    def _as_arrays(
+        self, reach: float, terms: list[float], speed: float, bend: float
+    ) -> Arcs:
+        """This step as the step of one lane."""
+        none, h, zeta = np.zeros(1), np.array([reach]), self.lane.zeta
+        arc = TaylorSeries(np.array(terms)[:, None], h, h, none, zeta)
+        of_weight = None
+        if self.weight is not None:
+            unit = np.array([self.factors_of[0]])
+            rows = np.array(self.weight)[:, None]
+            of_weight = TaylorSeries(rows, unit, unit, none)
+        bounds = np.array([speed]) / h, np.array([bend]) / (h * h)
+        wanted, held = np.ones(1, dtype=bool), self._devices_now()
+        return Arcs(self._lanes(), arc, h, *bounds, wanted, of_weight, held)
+
+    def _devices_now(self) -> "tuple[Array, Branch] | None":
+        """The row of the devices of the side and their branches; None without."""
+        return None
 
     def _note(
         self, event: str, y: float, v: float, ahead: float = 0.0, device: str = ""
@@ -369,6 +443,8 @@ class MarchState:
         """End the march with this outcome. A body that would rock where the ground
         falls away from it has lost contact.
         """
+        if self.lost and outcome in _STANDS:
+            outcome = Outcome.LOST_CONTACT
         ratio = math.nan
         if outcome == Outcome.NO_UPLIFT:
             ratio = 0.0

@@ -11,7 +11,6 @@ from ...motions.segments import Segments
 from ..contacts.contact import Contact
 from ..contacts.sequences import (
     OtherSide,
-    sequence_bounds,
     sequence_ends,
     sequence_time,
 )
@@ -132,44 +131,22 @@ class Bounces:
             there,
         )
 
-    def keep_contact(self, lanes: TiedLanes) -> Array:
-        """True for lanes for which `end` is True and whose bounces are proved to keep
-        Fz > 0 (Lemma 13). A tie pulls horizontally: it changes Fz by the acceleration
-        alone. A tendon also presses the body to the ground.
+    def during(
+        self, lanes: TiedLanes, side: Array, height: Array
+    ) -> tuple[Array, Array, Array]:
+        """(y of a side over the y of the free body of `free`; what the devices add to
+        -y'' up to y = height of the free body, at most; the vertical force of a tendon
+        at the ground over m g) of lanes for which `end` is True, (lanes,) each.
         """
-        body, devices = self.devices.body, self.devices
-        kept = np.ones(lanes.cell.size, dtype=bool)
-        if body is None or not lanes.cell.size:
-            return kept
-        bounds = sequence_bounds(self.segments, *self.free(lanes))
-        now, later = (
-            self.segments.weight(lanes.side, lanes.amplitude, lanes.segment, u)
-            for u in (lanes.phase, bounds.later)
-        )
-        lightest = np.minimum(now, later)
-        ratio, lane = self.uplift_ratios(lanes), np.arange(lanes.cell.size)
-        for i, sense in enumerate((1.0,) if body.one_sided else (1.0, -1.0)):
-            side = sense * lanes.side
-            row, edge = devices.row(side, lanes.cell), body.on(side, lanes.cell)
-            on_side = row % devices.sides
-            unit = ratio[on_side, lane]  # y of this side over the y of the free body
-            branch = lanes.branch[on_side, :, lane].T
-            plastic = lanes.plastic[on_side, :, lane].T
-            # Lemma 13: the largest -u'' at the ground (B), with what the devices add up
-            # to the highest arc, the largest speed (V), and the weight.
-            top = unit * bounds.height
-            stretched = devices.largest_pull(row, branch, plastic, top) - devices.pull(
-                row, branch, plastic
-            )
-            weight = lightest + devices.press(row, branch, plastic) * np.cos(
-                0.5 * edge.unit * top
-            )
-            inward = edge.unit * (unit * bounds.most[i] + stretched)
-            fastest = edge.unit * unit * bounds.fastest[i]
-            kept &= (
-                body.fz_in_bounces(edge, weight, inward, fastest, edge.unit * top) > 0.0
-            )
-        return kept
+        devices, lane = self.devices, np.arange(lanes.cell.size)
+        row = devices.row(side, lanes.cell)
+        on_side = row % devices.sides
+        unit = self.uplift_ratios(lanes)[on_side, lane]
+        branch = lanes.branch[on_side, :, lane].T
+        plastic = lanes.plastic[on_side, :, lane].T
+        most = devices.largest_pull(row, branch, plastic, unit * height)
+        pull = most - devices.pull(row, branch, plastic)
+        return unit, pull, devices.press(row, branch, plastic)
 
     def time(self, lanes: TiedLanes) -> Array:
         """The time [tau] that the bounces of lanes after an impact take, (lanes,)."""

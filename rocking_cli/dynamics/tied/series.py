@@ -107,20 +107,6 @@ class Law:
         terms, fastest = taylor.series_flow(held, segments, lanes, self.order, rate)
         return taylor.series(terms, fastest, self.tolerance, equation.damping)
 
-    def weight(self, segments: Segments, lanes: Lanes) -> TaylorSeries | None:
-        """The series of the weight over m g of lanes from now on; None where it is
-        constant.
-        """
-        if segments.weighed is None:
-            return None
-        if self.of_lines:
-            drive = taylor.line_drive(segments, lanes)
-        else:
-            drive, _ = taylor.drive_series(segments, lanes, self.order - 2)
-        assert drive.weight is not None
-        unit = drive.unit
-        return TaylorSeries(drive.weight.array[:, : unit.size], unit, unit, 1.0 / unit)
-
 
 class LinearMoment(NamedTuple):
     """What restraints on their branches take from y'' in the linear equation: constant

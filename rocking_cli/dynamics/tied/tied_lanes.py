@@ -27,7 +27,6 @@ class TiedLanes(Lanes):
     # turns back on still ground: 1 right, 2 left; 4 and 8 for a second turn there
     turned: Array
     rests: Array  # True where the body comes to rest
-    lost: Array  # True if Fz <= 0 has occurred
     # second moment of the error of y at which a restraint yielded (`carried`)
     yielded: Array
 
@@ -45,7 +44,7 @@ class TiedLanes(Lanes):
         """
         numbers = ("phase", "y", "v", "force", "peak", "yielded")
         counts = ("segment", "impacts", "steps", "turned")
-        signs = ("exact", "bounced", "rests", "lost")
+        signs = ("exact", "bounced", "rests")
         return cls(
             cell=cell,
             amplitude=amplitude,

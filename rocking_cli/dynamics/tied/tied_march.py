@@ -42,16 +42,17 @@ from ..batch import Batch
 from ..condition import rows, through_impact
 from ..contacts.contact import OneSided
 from ..drive import place
+from ..equations.taylor import weight_series
 from ..lanes import Cells
+from ..observers.contact_watch import ContactWatch
 from ..observers.observer import Arcs, Observer
 from ..outcome import FALLEN, Outcome
 from .bounces import Bounces
 from .carried import carry_step, carry_through_break, keep_yield_error
-from .contact_watch import ContactWatch, Steps
 from .cuts import cut
-from .devices import Branch, Devices
+from .devices import Devices
 from .series import HeldBody, Law, Step, one_turn
-from .tied_lanes import CutStep, Found, OnBranch, StepEnds, TiedLanes
+from .tied_lanes import Found, OnBranch, StepEnds, TiedLanes
 from .tied_lines import LEAST_LINES, TiedLines
 from .transitions import Transitions
 
@@ -73,7 +74,7 @@ class TiedMarch:
         self.equation, self.contact = batch.equation, batch.contact
         self.cells, self.segments = batch.cells, batch.segments
         self.shaken, self.free_fall = batch.shaken, batch.free_fall
-        self.devices, self.speed = devices, speed
+        self.devices = devices
         self.one_sided = isinstance(self.contact, OneSided)
         # bits of `turned` to the second turn on a side, and all bits that it needs
         again = self.equation.damped and self.devices.body is not None
@@ -82,17 +83,23 @@ class TiedMarch:
         of_lines = self.segments.straight and self.shaken >= LEAST_LINES
         self.law = Law(self.equation, self.devices, of_lines)
         self.lever_ends = self.devices.lever_ends()
-        self.watch = (
-            None
-            if self.devices.body is None
-            else ContactWatch(self.devices, self.devices.body)
-        )
         self.transitions = Transitions(self.devices)
         self.bounces = Bounces(self.devices, self.contact, self.equation, self.segments)
+        self.watch = None
+        if self.devices.body is not None:
+            self.watch = ContactWatch(
+                self.devices.body,
+                self.equation,
+                self.contact,
+                self.segments,
+                np.ones(batch.size, dtype=bool),
+                self.bounces,
+            )
+        self.observers = [x for x in (self.watch, speed) if x is not None]
         # the lines of a record, None under another motion
         self.lines = None
-        if of_lines and self.segments.weighed is None and speed is None:
-            self.lines = TiedLines(batch, self.devices)
+        if of_lines and self.segments.weighed is None:
+            self.lines = TiedLines(batch, self.devices, self.observers)
         self.touch = max(_ROUNDING, _TOUCH * self.equation.tolerance)
         self.most = batch.most_steps  # steps beyond which a lane fails
         self.held = self.devices.sides, len(self.devices.names)
@@ -217,9 +224,7 @@ class TiedMarch:
         still &= ~np.isfinite(ended.reach + ended.v)
         if still.any():
             ended = ended.without(still)
-        self._watch_contact(lanes, row, now, step, ended.reach)
-        if self.speed is not None:
-            self._show(self.speed, lanes, step, ended)
+        self._show(lanes, step, ended.reach, branch)
         equation = self.equation.on(lanes.side, lanes.cell)
         held = HeldBody.of(equation, self.devices, row, now)
         carry_step(lanes, held, step, ended, touch)
@@ -244,24 +249,15 @@ class TiedMarch:
         return self._events(lanes, branch, ends)
 
     def _show(
-        self, speed: Observer, lanes: TiedLanes, step: Step, ended: CutStep
+        self, lanes: TiedLanes, step: Step, reach: Array, branch: OnBranch
     ) -> None:
-        """Show the steps to the observer of the largest speed."""
-        arc, reach, y, v = step.arc, ended.reach, ended.y, ended.v
-        force = arc.at(reach).b + 2.0 * arc.damping * v
-        every = np.arange(reach.size)
-        speed.arcs(Arcs(lanes, arc, reach, y, v, force, every, step.fastest))
-
-    def _watch_contact(
-        self, lanes: TiedLanes, row: Array, now: Branch, step: Step, reach: Array
-    ) -> None:
-        """Mark lanes with Fz <= 0 in their steps."""
-        if self.watch is None:
-            return
-        weight = self.law.weight(self.segments, lanes)
-        steps = Steps(lanes, row, now, step, reach, weight)
-        lost, _ = self.watch.losses(steps, lanes.lost)
-        lanes.lost[lost] = True
+        """Show the steps to the observers."""
+        arc, bounds = step.arc, (step.fastest, step.largest_acceleration)
+        weight = weight_series(self.segments, lanes, self.law.order - 2)
+        wanted, held = np.ones(reach.size, dtype=bool), (branch.row, branch.now)
+        arcs = Arcs(lanes, arc, reach, *bounds, wanted, weight, held)
+        for observer in self.observers:
+            observer.arcs(arcs)
 
     def _events(self, lanes: TiedLanes, branch: OnBranch, ends: StepEnds) -> TiedLanes:
         """Apply the events at step ends: a peak on the way, an end of a branch, an
@@ -391,8 +387,9 @@ class TiedMarch:
         # Bounces that end in rest (Lemma 7) and are proved to keep contact (Lemma 13).
         low = lanes.take(at)
         ends = self.bounces.end(low)
-        watched = np.flatnonzero(ends & ~low.lost)
-        ends[watched] = self.bounces.keep_contact(low.take(watched))
+        if self.watch is not None:
+            at_rest = np.flatnonzero(ends)
+            ends[at_rest] = self.watch.may_rest(low.take(at_rest))
         lanes.rests[at] = stops | ends
         return known
 
@@ -418,7 +415,9 @@ class TiedMarch:
             outcome[at], (Outcome.NO_UPLIFT, Outcome.ROCKED, Outcome.LEANING)
         )
         ratio = self.equation.on(lanes.side[at], cell).rotation(lanes.peak[at])
-        lost = lanes.lost[at]
+        lost = np.zeros(at.size, dtype=bool)
+        if self.watch is not None:
+            lost = self.watch.lost(cell)
         if self.free_fall is not None:
             lost = lost | self.free_fall.occurs[cell]
         found.theta_ratio[cell] = np.where(known & ~lost, ratio, np.nan)

@@ -20,7 +20,6 @@ from ...dynamics.outcome import Difference, Outcome, Work, difference
 from ...dynamics.response import (
     Response,
     can_share_records,
-    cells_that_lose_contact,
     few,
     response,
     response_under_records,
@@ -176,7 +175,7 @@ class Job:
         ends = np.cumsum([x.omega.size for x in run])[:-1]
         blocks = zip(*(np.split(x, ends) for x in whole.values()), strict=True)
         values = [dict(zip(whole, block, strict=True)) for block in blocks]
-        tested = not (chains or self.scene.method.exact)  # for lost contact, by the run
+        tested = not self.scene.method.exact  # for lost contact, by the run
         return [
             [x if tested else self._standing(s, cells, x) for s in cells.sharers]
             for x, cells in zip(values, run, strict=True)
@@ -195,7 +194,7 @@ class Job:
             [numbers[id(x.motion)] for x in run], [x.omega.size for x in run]
         )
         got, rate = response_under_records(
-            system._replace(body=None), list(motions.values()), which, amplitude, omega
+            system, list(motions.values()), which, amplitude, omega
         )
         return {**_variables(got), "velocity_ratio": rate * alpha}, got.work
 
@@ -246,14 +245,13 @@ class Job:
         """Return the block of one structure among those that share rotations, with the
         lost contact of this structure.
         """
-        lost = cells_that_lose_contact(
-            self.scene.method.system_of(structure),
-            cells.motion,
-            (cells.amplitude, cells.omega),
-            block["outcome"] == Outcome.ROCKED,
-            block["theta_ratio"],
-            block.get("velocity_ratio"),
-        )
+        system, motion = self.scene.method.system_of(structure), cells.motion
+        # Its own body is watched where Lemma 13 leaves open whether it keeps contact.
+        doubtful = cells.amplitude > system.safe_amplitude(motion)
+        at = np.flatnonzero((block["outcome"] == Outcome.ROCKED) & doubtful)
+        shaking = cells.amplitude[at], cells.omega[at]
+        own = response(system, motion, *shaking, peaks=False)
+        lost = at[own.outcome != Outcome.ROCKED]
         if lost.size:
             block = {name: x.copy() for name, x in block.items()}
             block["outcome"][lost] = Outcome.LOST_CONTACT

@@ -28,7 +28,7 @@ def compared(seed):
     push, omega = random_push(random, body, motion)
     cells = push * np.array([0.6, 0.8, 1.0, 1.3]), np.full(4, omega)
     with np.errstate(all="ignore"):
-        alone = OneByOne(system, system.segments(motion), cells, peaks=True)
+        alone = OneByOne(system, motion, cells, peaks=True)
     together = response(system, motion, *cells)
     np.testing.assert_array_equal(alone.outcome, together.outcome, f"{seed}")
     stands = safe(together.outcome)
@@ -63,7 +63,7 @@ def test_ties_are_left_as_on_arrays():
     cells = np.array([amplitude]), np.array([omega])
     together = marched(system, motion, *cells)
     with np.errstate(all="ignore"):
-        alone = march(Lane(system, system.segments(motion), omega), amplitude)
+        alone = march(Lane(system, motion, omega), amplitude)
     assert alone.outcome == together.outcome[0] == Outcome.ROCKED
     assert (together.plastic > 0.0).any()
     assert (together.branch == BROKEN).any()

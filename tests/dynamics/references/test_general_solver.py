@@ -32,7 +32,7 @@ from rocking_cli import (
     sine,
     spectrum,
 )
-from rocking_cli.dynamics.observers.contact_loss import ContactLoss
+from rocking_cli.dynamics.observers.contact_watch import ContactWatch
 from rocking_cli.dynamics.observers.observer import Observer
 from rocking_cli.dynamics.references import general_solver
 from rocking_cli.dynamics.references.general_solver import (
@@ -297,14 +297,9 @@ def test_a_sweep_counts_bodies_that_one_path_alone_sees_leave_the_ground(
             ).summary.misjudged
             == lost
         )
-    monkeypatch.setattr(
-        ContactLoss,
-        "contact_proved",
-        lambda self, at, *peaks: np.ones(at.size, dtype=bool),
-    )
-    monkeypatch.setattr(ContactLoss, "arcs", lambda self, *lanes: None)
-    monkeypatch.setattr(ContactLoss, "free", lambda self, *lanes: None)
-    monkeypatch.setattr(ContactLoss, "may_rest", Observer.may_rest)
+    monkeypatch.setattr(ContactWatch, "arcs", lambda self, *lanes: None)
+    monkeypatch.setattr(ContactWatch, "free", lambda self, *lanes: None)
+    monkeypatch.setattr(ContactWatch, "may_rest", Observer.may_rest)
     assert (
         spectrum([pendulum()], motion, grid, method=method, check=6).summary.misjudged
         == lost
