@@ -133,7 +133,7 @@ def report(
         overwrite=overwrite,
         workers=workers,
         progress=ProgressLine("report", "checks"),
-        tell=note,
+        tell=_tell,
     )
     if alone:
         return
@@ -144,6 +144,16 @@ def report(
         note(opposite_in_words(turned))
     note(*worst_at_an_end(demands, verdicts, in_g=True))
     partly(any(v.outcome == Outcome.FAILED for v in verdicts))
+
+
+def _tell(line: str) -> None:
+    """Print a line on the verdict of the code; a limit state without an answer is a
+    part of the work without a result.
+    """
+    from ..reports.wording import NOT_KNOWN
+
+    note(line)
+    partly(NOT_KNOWN in line)
 
 
 def _asked(

@@ -185,6 +185,9 @@ def verdict_plainly(v: Verdict) -> str:
     return said + " This is by the linear equation alone." * (v.model == LINEAR.model)
 
 
+NOT_KNOWN = " (not known)"  # behind the name of a structure without an answer
+
+
 def verified_in_words(checks: Sequence["CodeCheck"]) -> list[str]:
     """Return for each limit state of the code how many structures are not verified, and
     which.
@@ -193,7 +196,7 @@ def verified_in_words(checks: Sequence["CodeCheck"]) -> list[str]:
     for state in ("SLV", "SLC"):
         asked = dict.fromkeys(c.structure for c in checks if state in c.asked)
         failed = dict.fromkeys(
-            c.structure + " (not known)" * (state in c.unanswered)
+            c.structure + NOT_KNOWN * (state in c.unanswered)
             for c in checks
             if state in c.asked and not c.verified(state)
         )
