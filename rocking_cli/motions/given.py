@@ -5,9 +5,9 @@ takes, the name of a pulse, the path of a file, the text of a grid.
 import os
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Protocol, Union
+from typing import TYPE_CHECKING, Any, Protocol, Union
 
-from ..errors import ArgumentError, DocumentError, MotionError, UsageError
+from ..errors import ArgumentError, MotionError, UsageError
 from .grid import Grid, as_recorded, parse_grid
 from .motion import Motion
 
@@ -64,12 +64,14 @@ def read_if_named(given: AnyMotion) -> Motion | HasMotion:
 def _named(given: str | Path) -> Motion | HasMotion:
     """Return the motion that a text or a path stands for. Raises as `motion_from`."""
     from ..documents.files import is_document_text
+    from ..documents.parsing import parse_documents
+    from .motion_document import motion_of
     from .pulses import PULSES, pulse
     from .reading import read_one
 
     text = str(given)
     if isinstance(given, str) and is_document_text(given):
-        return _of_text(given)
+        return motion_of(parse_documents(given))
     word = not any(mark in text for mark in (".", "/", os.sep)) and text != "-"
     if isinstance(given, str) and (
         text in PULSES or (word and not os.path.exists(text))
@@ -80,19 +82,6 @@ def _named(given: str | Path) -> Motion | HasMotion:
         except MotionError as error:
             raise MotionError(f"{error}; or the path of a motion") from None
     return read_one(given, {})
-
-
-def _of_text(text: str) -> Motion:
-    """Return the motion of the text of one motion document. Raises DocumentError."""
-    from ..documents.parsing import parse_documents
-    from .motion_document import build_motion
-
-    first, *others = parse_documents(text)
-    if others:
-        raise DocumentError(
-            f"{others[0].place}: a second document; a motion has one document"
-        )
-    return build_motion(first)
 
 
 def recordings_from(
@@ -126,9 +115,12 @@ def motions_of(
     given: AnyMotion | Sequence[AnyMotion],
 ) -> list[Motion | HasMotion]:
     """Return `read_if_named` of each motion, of one or several."""
-    if isinstance(given, str) or not isinstance(given, Sequence):
-        return [read_if_named(given)]
-    return [read_if_named(one) for one in given]
+    return [read_if_named(one) for one in _several(given)]
+
+
+def _several(given: Any) -> Sequence[Any]:
+    one = isinstance(given, str) or not isinstance(given, Sequence)
+    return [given] if one else given
 
 
 def _own_motion(given: HasMotion) -> Motion:
@@ -164,14 +156,9 @@ def demands_of(
     """Return each motion with its grid of one cell: that beside it, or `shaking`.
     Raises as `demand_of`.
     """
-    several: Sequence[AnyMotion | Shake]
-    if isinstance(given, str) or not isinstance(given, Sequence):
-        several = [given]
-    else:
-        several = given
     return [
         demand_of(*one) if isinstance(one, tuple) else demand_of(one, shaking)
-        for one in several
+        for one in _several(given)
     ]
 
 

@@ -3,6 +3,7 @@ lines. Times are in periods T_g = 2 pi / omega_g and accelerations in a_g; with 
 s and a_g = 1 m/s2 they are in s and m/s2.
 """
 
+from collections.abc import Sequence
 from itertools import pairwise
 
 import numpy as np
@@ -19,6 +20,16 @@ LARGEST = 1e6  # largest acceleration over a_g, and largest phase
 SHORTEST = 1e-9  # periods
 _PIECES = "a list of pieces, each with from, to, and constant, slope or sines"
 _POINTS = "a list of two or more points [t/T_g, acceleration/a_g], in order of time"
+
+
+def motion_of(documents: Sequence[Document]) -> Motion:
+    """Return the motion of the one document of a text. Raises DocumentError."""
+    first, *others = documents
+    if others:
+        raise DocumentError(
+            f"{others[0].place}: a second document; a motion has one document"
+        )
+    return build_motion(first)
 
 
 def build_motion(document: Document) -> Motion:

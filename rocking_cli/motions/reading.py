@@ -20,7 +20,7 @@ from ..plugins import installed
 from .biaxial import Upwards
 from .intensity_measures import GROUP, MEASURES, measure_named
 from .motion import Motion
-from .motion_document import build_motion
+from .motion_document import motion_of
 from .recording import Recording, with_distinct_labels
 from .records import (
     Given,
@@ -307,11 +307,7 @@ def _of_document(source: str, raw: bytes, given: MotionChoices) -> Motion:
         documents = documents_of(source, unpacked(source, raw))
     except DocumentError as error:
         raise DocumentError(f"{error}, or a record of a known format") from None
-    if len(documents) > 1:
-        raise DocumentError(
-            f"{documents[1].place}: a second document; a motion file holds one"
-        )
-    motion, scale = build_motion(documents[0]), given.get("scale")
+    motion, scale = motion_of(documents), given.get("scale")
     for name in ("component", *Stated.__annotations__, "scale_to", "vertical"):
         if given.get(name) not in (None, False):
             raise UsageError(
