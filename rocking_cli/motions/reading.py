@@ -434,22 +434,22 @@ def record_files(
 
 
 def _listed(file: BinaryIO, folder: str) -> list[str]:
-    """The files that a list names, one on each line; none if the first does not exist,
-    so it is no list.
+    """The files that a list names, one on each line; none if the first two do not
+    exist, so it is no list.
     """
     raw = file.read(HEAD)
     names = _names(as_utf_8(raw), folder)
-    if b"\0" in as_utf_8(raw) or not names or not os.path.isfile(names[0]):
+    if b"\0" in as_utf_8(raw) or not any(map(os.path.isfile, names[:2])):
         return []
     return _names(as_utf_8(raw + file.read()), folder)
 
 
 def _names(raw: bytes, folder: str) -> list[str]:
-    """Return the paths that a list of files names; empty lines and comments do not
-    count.
+    """Return the paths that a list of files names, also with the separator of Windows;
+    empty lines and comments do not count.
     """
     lines = (
-        line.strip().strip('"')
+        line.strip().strip('"').replace("\\", "/")
         for line in raw.decode("utf-8", "surrogateescape").splitlines()
     )
     return [

@@ -70,6 +70,16 @@ def test_a_list_as_windows_writes_it(folder, encoding):
     assert labels(read_motions(["list"])) == ["a", "b"]
 
 
+def test_a_list_names_the_file_that_is_missing_and_takes_paths_of_windows(folder):
+    (folder / "list").write_text("moved.AT2\nb.AT2\n")
+    with pytest.raises(UsageError, match=r"^moved\.AT2: "):
+        read_motions(["list"])
+    (folder / "set").mkdir()
+    (folder / "a.AT2").rename(folder / "set" / "a.AT2")
+    (folder / "list").write_text("set\\a.AT2\nb.AT2\n")
+    assert labels(read_motions(["list"])) == ["a", "b"]
+
+
 def test_a_packed_document_is_a_motion_and_no_fault_quotes_packed_bytes(folder):
     (folder / "pulse.yaml.gz").write_bytes(
         gzip.compress((folder / "pulse.yaml").read_bytes())
