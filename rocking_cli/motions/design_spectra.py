@@ -16,10 +16,10 @@ import numpy as np
 
 from ..arrays import Array
 from ..documents.files import named_after, read_bytes
-from ..documents.quantities import parse_quantity, split_quantity
+from ..documents.quantities import quantity_at, split_quantity
 from ..documents.table import Cell, rows_of
 from ..documents.texts import text_of
-from ..errors import ArgumentError, DocumentError, UsageError, counted
+from ..errors import DocumentError, UsageError, counted
 from ..showing import Shown
 from .blocks import largest
 from .building_modes import FloorMode
@@ -310,10 +310,8 @@ def read_spectrum(path: str | Path) -> SpectrumFile:
             (at, "time", periods),
             (level, "acceleration", values),
         ):
-            try:
-                kept.append(parse_quantity(cell.text, dimension))
-            except ArgumentError as error:
-                raise _fault(cell, str(error)) from None
+            place = f"{cell.place}: {cell.key}"
+            kept.append(quantity_at(place, cell.text, dimension, DocumentError))
         if periods[-1] < 0.0 or (len(periods) > 1 and not periods[-1] > periods[-2]):
             raise _fault(at, "periods that rise, of one spectrum")
         if (parts := split_quantity(level.text)) is not None and not parts[1]:
