@@ -8,9 +8,10 @@ from ..errors import UsageError
 SHORTEST, LONGEST = 1e-3, 1e3  # periods of a mode [s]
 LARGEST = 1e3  # gamma_psi of a mode, of either sign
 _KEYS = {"T": "time", "xi": "number", "gamma_psi": "number"}
+_HINTS = {"xi": ", such as 0.05 for 5 %"}
 # keys without a default; a code takes no participation for granted
 _NEEDED = {"building": ("T", "xi"), "floor": tuple(_KEYS)}
-_FORM = "T=…,xi=…[,gamma_psi=…], such as T=0.4,xi=0.05,gamma_psi=1.3"
+_FORM = "T=…,xi=…,gamma_psi=…, such as T=0.4,xi=0.05,gamma_psi=1.3"
 
 
 class FloorMode(NamedTuple):
@@ -46,7 +47,9 @@ def parse_mode(text: str, option: str = "building") -> FloorMode:
         why = f"no {missing[0]} in " if missing and not unknown else ""
         raise UsageError(f"`{option}`: found {why}{text!r}; expected {_FORM}")
     found = {
-        key: quantity_at(f"`{option}`: {key}", value, _KEYS[key])
+        key: quantity_at(
+            f"`{option}`: {key}", value, _KEYS[key], hint=_HINTS.get(key, "")
+        )
         for key, value in given.items()
     }
     mode = FloorMode(found["T"], found["xi"], found.get("gamma_psi", 1.0))

@@ -142,7 +142,7 @@ REFUSED = {
         (
             2,
             f"{COLUMN} {AT} --floor T=1",
-            "--floor: found 'T=1'; expected T=TIME,xi=RATIO,gamma_psi=NUMBER",
+            "--floor: found no xi in 'T=1'; expected T=…,xi=…,gamma_psi=…, such as",
         ),
         (
             2,
