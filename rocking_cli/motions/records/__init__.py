@@ -187,6 +187,7 @@ def records_of(source: str, raw: bytes, given: Given = NOTHING) -> list[Record] 
     content = unpacked(source, raw)
 
     def records(series: list[Series], form: str) -> list[Record]:
+        _require_agreement(source, series, given, form)
         return [
             record_of(one, name, form, source, sha256, given.as_it_stands)
             for one in _distinct(series, source)
@@ -210,8 +211,6 @@ def records_of(source: str, raw: bytes, given: Given = NOTHING) -> list[Record] 
         require_series(read)
         if not given.as_it_stands:
             _refuse_cut(source, content)
-        if found is not plain and given.named:
-            _require_agreement(source, read, given, found.NAME)
         also = "an uncorrected accelerogram" if uncorrected else ""
         about = (*text.skipped, also, _factor(text, found.NAME), text.surplus())
         series = [
@@ -223,12 +222,14 @@ def records_of(source: str, raw: bytes, given: Given = NOTHING) -> list[Record] 
 def _require_agreement(
     source: str, read: list[Series], given: Given, form: str
 ) -> None:
-    """Raise DocumentError if a file of a known format says otherwise than the user."""
-    if given.column is not None:
+    """Raise DocumentError if a file says otherwise than the user; what is stated of a
+    directory belongs to the formats that may lack it.
+    """
+    if given.column is not None and given.named and form != plain.NAME:
         raise UsageError(
             f"{source}: `column` goes with plain columns of numbers, not with {form}"
         )
-    for series in read:
+    for series in read if given.named or form in (plain.NAME, asdf.NAME) else ():
         unit = given.unit
         if unit is not None and ACCELERATIONS[unit] != ACCELERATIONS[series.unit]:
             said = f"found {unit}; the file says otherwise: {series.unit} ({form})"

@@ -97,8 +97,8 @@ def _channels(source: str, file: "h5py.File", given: Given) -> list[Series]:
 
 def _series(source: str, name: str, data: "h5py.Dataset", given: Given) -> Series:
     """Return the samples of one waveform. Raises NoAcceleration for counts,
-    DocumentError for a step that is missing or contradicted, ValueError for samples
-    that the file does not store.
+    DocumentError for a step that is missing, ValueError for samples that the file does
+    not store.
     """
     from ...documents.hdf5 import require_stored
 
@@ -115,9 +115,6 @@ def _series(source: str, name: str, data: "h5py.Dataset", given: Given) -> Serie
         raise DocumentError(
             f"{source}: {channel}: no attribute sampling_rate that is a positive number"
         )
-    if given.dt is not None and abs(given.dt * rate - 1.0) > 1e-3:
-        said = f"`dt`: found {given.dt:g} s; the file says otherwise: {1.0 / rate:g} s"
-        raise DocumentError(f"{source}: {said} ({channel})")
     remark = "unprocessed waveforms" if _RAW.search(tag) else ""
     samples = np.array(data, dtype=float)
     return Series(channel, 1.0 / rate, samples, given.unit or "", remark=remark)

@@ -21,7 +21,7 @@ from .record import EVERY, Series
 from .rows import NumberRows, counts_up, is_row, rows_of, unlike_samples
 from .text import RecordText
 from .times import even_step, is_even
-from .units import ACCELERATIONS, WRITTEN_UNITS
+from .units import WRITTEN_UNITS
 
 NAME = "text"
 _MOST_TITLE_LINES = 120
@@ -39,7 +39,6 @@ _USUAL = (TIME, INDEX, ACCELERATION)
 _LONGEST_HEADINGS = 10_000  # characters of a line of headings
 _FEW = 4  # lines that may rise evenly by chance
 _FEWEST = 10  # numbers in one column, without a word, of a motion
-_STEPS_AGREE = 1e-3  # relative
 
 
 def recognise(head: str) -> bool:
@@ -335,10 +334,7 @@ class _Table:
                 f" `skip` {int(lines[0])} passes over it"
             )
         factor = 1.0 if cell is None else cell.seconds
-        step = even_step(factor * times, self.text, int(lines[0]), lines=lines)
-        if given is not None and abs(step - given) > _STEPS_AGREE * step:
-            raise self.otherwise("dt", f"{given:g} s", f"times every {step:g} s")
-        return step
+        return even_step(factor * times, self.text, int(lines[0]), lines=lines)
 
     def unit(self, cell: Heading | None) -> str:
         """The unit that the heading or the user states."""
@@ -350,15 +346,7 @@ class _Table:
                 f"{self.text.source}: plain numbers without a unit; give it as `unit`,"
                 f" one of {', '.join(WRITTEN_UNITS)}"
             )
-        if said and given and ACCELERATIONS[said] != ACCELERATIONS[given]:
-            raise self.otherwise("unit", given, f"the heading {said}")
         return said or given or ""
-
-    def otherwise(self, name: str, given: str, said: str) -> DocumentError:
-        source = self.text.source
-        return DocumentError(
-            f"{source}: `{name}`: found {given}; the file says otherwise: {said}"
-        )
 
     def require_name(self) -> None:
         """Refuse a file that is named as velocities where no heading says otherwise."""

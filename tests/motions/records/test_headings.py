@@ -101,7 +101,7 @@ def test_two_columns_are_read_in_the_unit_of_their_heading(
         )
     for given, said in (
         ({"unit": "ft/s2"}, "`unit`: found ft/s2; the file says otherwise"),
-        ({"dt": 0.02}, "`dt`: found 0.02 s; the file says otherwise: times every 0.01"),
+        ({"dt": 0.02}, "`dt`: found 0.02 s; the file says otherwise: 0.01 s"),
     ):
         assert said in refusal(path, **given)
 

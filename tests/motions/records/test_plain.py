@@ -273,13 +273,13 @@ def lines(**changed):
         (
             lines(),
             {"unit": "g", "dt": 0.02},
-            "a: `dt`: found 0.02 s; the file says otherwise: times every 0.01 s",
+            "a: `dt`: found 0.02 s; the file says otherwise: 0.01 s (text)",
         ),
         ("1 2 3\n4 5 6\n", {"unit": "g"}, "a:1: 3 columns without headings"),
         (
             "t [s], acc [g]\n" + lines(),
             {"unit": "m/s2"},
-            ("a: `unit`: found m/s2; the file says otherwise: the heading g"),
+            ("a: `unit`: found m/s2; the file says otherwise: g (text)"),
         ),
         (
             (
