@@ -225,6 +225,8 @@ def test_a_workspace_gives_every_channel_in_the_unit_of_the_user(tmp_path):
         DocumentError, match=r"`dt`: found 0.02 s; the file says otherwise: 0.01 s"
     ):
         read_records(path, unit="g", dt=0.02)
+    with pytest.raises(UsageError, match=r"`column` goes with plain columns.*ASDF"):
+        read_records(path, unit="g", column="2")
 
 
 def test_unprocessed_waveforms_and_counts(tmp_path):
