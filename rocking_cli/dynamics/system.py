@@ -212,8 +212,19 @@ class System(NamedTuple):
         return self._safe_push(motion) / motion.largest
 
     def safe_amplitudes(self, motions: Sequence[Motion], which: Array) -> Array:
-        """Return `safe_amplitude` of cells under several motions, (cells,), which have
-        no vertical parts; which: index of the motion of each cell.
+        """Return `safe_amplitude` of cells under several motions.
+
+        Parameters
+        ----------
+        motions
+            the motions of the ground, without vertical parts
+        which
+            index of the motion of each cell, (cells,)
+
+        Returns
+        -------
+        numpy.ndarray
+            A [-], (cells,)
         """
         largest = np.array([motion.largest for motion in motions])[which]
         with np.errstate(divide="ignore"):
