@@ -37,7 +37,7 @@ def verify(wanted: VerifyOptions = group(VerifyOptions)) -> int:
     files, the platform and the date. The exit code is 1 if a number is not as its
     source says.
     """
-    from ..reports.verified import (
+    from .shipped_cases import (
         Comparison,
         compared,
         installation,

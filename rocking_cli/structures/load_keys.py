@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from ..errors import DocumentError
 from .mechanics.assembly import (
-    BOTH,
     GROUND,
     Assembly,
     Hinge,
@@ -20,6 +19,7 @@ from .mechanics.assembly import (
 from .mechanics.linkage import Linkage
 from .mechanics.linkage_drawing import load_arrows
 from .mechanics.mechanism_side import MechanismSide
+from .mechanics.moments import BOTH
 from .mechanics.planar_mechanism import PlanarMechanism
 from .shared_keys import (
     BEARINGS,

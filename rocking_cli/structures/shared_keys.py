@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from ..documents.keys import Key, Keys, Usual, in_units, positive
 from ..documents.quantities import DEFAULT_GRAVITY
-from .mechanics.assembly import INERTIAS
+from .mechanics.moments import INERTIAS
 from .parameters import MOST_DAMPING
 from .restraints import SIDES
 

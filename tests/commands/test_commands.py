@@ -266,8 +266,8 @@ def code_tokens(file: Path) -> int:
 @pytest.mark.parametrize(
     ("arguments", "most"),
     [
-        ("check configs/block.yaml --a-g 0.35g --f-g 1.5", 138_000),
-        ("spectrum --eta 0.9 --grid A=1:2:2,Omega=1:2:2 -q -o OUT", 101_000),
+        ("check configs/block.yaml --a-g 0.35g --f-g 1.5", 144_000),
+        ("spectrum --eta 0.9 --grid A=1:2:2,Omega=1:2:2 -q -o OUT", 110_000),
     ],
     ids=["check", "spectrum"],
 )

@@ -11,7 +11,6 @@ from ...errors import DocumentError
 from ..load_keys import require_still
 from ..mechanics.admissibility import place
 from ..mechanics.assembly import (
-    BOTH,
     GROUND,
     NEAR,
     Assembly,
@@ -26,6 +25,7 @@ from ..mechanics.assembly import (
 )
 from ..mechanics.linkage import Linkage
 from ..mechanics.linkage_drawing import drawn
+from ..mechanics.moments import BOTH
 from ..mechanics.planar_mechanism import PlanarMechanism, find_mechanism
 from ..parameters import RockingParameters
 from ..shared_keys import (

@@ -13,10 +13,9 @@ from typing import NamedTuple
 
 from ...errors import StructureError
 from ..sketch import Outline, Point
+from .moments import BOTH
 
 GROUND = "ground"
-BOTH, VERTICAL, NONE = "both", "vertical", "none"
-INERTIAS = (BOTH, VERTICAL, NONE)
 NEAR = 1e-6  # of the size: points that are so close are one point
 
 

@@ -17,10 +17,11 @@ import numpy as np
 
 from ...arrays import Array
 from ..sketch import Point
-from .assembly import BOTH, NEAR, NONE, VERTICAL, Face, Hinge
+from .assembly import NEAR, Face, Hinge
 from .linkage import Linkage
 from .loop_closure import Positions
 from .measured import Measured, ratio_of
+from .moments import BOTH, NONE, VERTICAL
 
 _UNIQUE = 1e-9  # least singular value over the largest: forces are unique
 

@@ -18,9 +18,10 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ...arrays import Array
-from .assembly import BOTH, NONE, PlanarBody
+from .assembly import PlanarBody
 from .kinematics import Coefficients
 from .loop_closure import LoopClosure, Positions
+from .moments import BOTH, NONE
 
 
 class LinkMass(NamedTuple):

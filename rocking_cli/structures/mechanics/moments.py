@@ -4,6 +4,10 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
+# how a load takes part in the motion
+BOTH, VERTICAL, NONE = "both", "vertical", "none"
+INERTIAS = (BOTH, VERTICAL, NONE)
+
 
 class Moments(NamedTuple):
     """Integrals over the section of a body."""

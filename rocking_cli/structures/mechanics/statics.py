@@ -17,17 +17,8 @@ import numpy as np
 
 from ...arrays import Array
 from ..sketch import Point
-from .assembly import (
-    BOTH,
-    GROUND,
-    NEAR,
-    Assembly,
-    Face,
-    Hinge,
-    Joint,
-    Rigid,
-    Slide,
-)
+from .assembly import GROUND, NEAR, Assembly, Face, Hinge, Joint, Rigid, Slide
+from .moments import BOTH
 
 _STILL = 1e-6  # of the largest velocity of the dual: a relative velocity that is zero
 _TOLERANCE = 1e-10  # of the programme

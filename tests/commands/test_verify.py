@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from rocking_cli.reports import verified
-from rocking_cli.reports.verified import Comparison, page, shipped_cases
+from rocking_cli.commands import shipped_cases as room
+from rocking_cli.commands.shipped_cases import Comparison, page, shipped_cases
 
 CASES = shipped_cases()
 TWO_PI = 2.0 * math.pi
@@ -60,7 +60,7 @@ def test_the_command_tells_a_wrong_number_and_keeps_inputs_and_page(
     wrong = replace(
         right, name="<wrong>", numbers=(first._replace(expected=1.0), *others)
     )
-    monkeypatch.setattr(verified, "shipped_cases", lambda: [right, wrong])
+    monkeypatch.setattr(room, "shipped_cases", lambda: [right, wrong])
     folder = tmp_path / "verified"
     done = rocking("verify", "-o", str(folder), "--json")
     assert done.returncode == 1
