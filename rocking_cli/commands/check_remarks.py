@@ -17,7 +17,15 @@ if TYPE_CHECKING:
     from .check_demands import Demands
 
 _NAMED = 3  # structures that a line names
+_LISTED = 10  # that a line on all of them names, at most
 _SENTENCES = 8  # bodies that slide with a line each, at most
+
+
+def listed(names: list[str]) -> str:
+    """Return names with commas between them; of many the first few."""
+    if len(names) <= _LISTED + 1:
+        return ", ".join(names)
+    return f"{', '.join(names[:_LISTED])} and {len(names) - _LISTED} more"
 
 
 def remarks(verdicts: list[Verdict], *, of_means: bool = False) -> list[str]:
@@ -34,12 +42,12 @@ def remarks(verdicts: list[Verdict], *, of_means: bool = False) -> list[str]:
     lines = []
     if verdicts:
         overturned = named(v for v in verdicts if v.outcome.overturned)
-        names = f": {', '.join(overturned)}" if overturned else ""
+        names = f": {listed(overturned)}" if overturned else ""
         means = "of the means, " if of_means else ""
         lines.append(f"{means}{len(overturned)} of {len(verdicts)} overturn{names}")
     for words, holds in _conditions():
         if names_of := named(filter(holds, verdicts)):
-            lines.append(f"{words}: {', '.join(names_of)}")
+            lines.append(f"{words}: {listed(names_of)}")
     lines += sliding_remarks(verdicts, named)
     for v in verdicts:
         if v.devices:
@@ -126,7 +134,7 @@ def sliding_remarks(
     if len(slid) > _SENTENCES:
         lines = [
             "slide before they could rock, and cannot overturn while their friction"
-            f" stays below lambda: {', '.join(named(slid))}"
+            f" stays below lambda: {listed(named(slid))}"
         ]
     ways = dict.fromkeys(v.coupling for v in verdicts if v.coupling)
     for way in ways:
@@ -151,12 +159,12 @@ def worst_at_an_end(
     if unmoved:
         yield (
             "no worst frequency, because the demand lifts them at none:"
-            f" {', '.join(unmoved)}"
+            f" {listed(unmoved)}"
         )
     if slid := [v.structure for v in verdicts if v.slide is not None]:
         yield (
             "slide furthest at the lowest frequency of the range, and further under"
-            f" slower motions (by 1/f2): {', '.join(slid)}"
+            f" slower motions (by 1/f2): {listed(slid)}"
         )
     of = {v.structure: v for v in verdicts if v.slide is None}
     for end, other in (("lower", "slower"), ("upper", "faster")):

@@ -53,7 +53,7 @@ class WorstFrequency(NamedTuple):
     largest: tuple[Grid, float] | None = None
 
 
-class Scanned(NamedTuple):
+class ScanAnswers(NamedTuple):
     """The answers to the demand at the frequencies of the scans."""
 
     rows: "ScanRows"  # of the bodies that the demand lifts
@@ -325,14 +325,14 @@ class FrequencySearch:
         return omega
 
     @cached_property
-    def _scanned(self) -> Scanned:
+    def _scanned(self) -> ScanAnswers:
         """The answers of the bodies that the demand lifts."""
         uplift = np.array([one.uplift for one in self.ranges])
         lifted = np.flatnonzero(self.amplitude > uplift).tolist()
         rows = ScanRows.of(self.ranges, lifted)
         turned, outcome = self._under(rows.body, rows.omega)
         falls = ~safe(outcome)
-        return Scanned(rows, np.where(falls, np.inf, turned), falls)
+        return ScanAnswers(rows, np.where(falls, np.inf, turned), falls)
 
     def largest(
         self, worst: Sequence[float | None]

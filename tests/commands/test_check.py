@@ -1060,3 +1060,13 @@ def test_columns_are_checked_before_anything_is_computed_and_choose_those_of_csv
     assert "--columns: found 'width' (did you mean 'varied_width'?)" in said
     # known, though these rows do not have it: no row is slid
     assert "found 'slide_max'" in refused(2, *family, "slide_max", "--csv")
+
+
+def test_of_many_bodies_that_fall_the_first_are_named(rocking, tmp_path):
+    rows = [f"block,b{i},0.4,2.4" for i in range(14)]
+    (tmp_path / "many.csv").write_text("\n".join(["kind,name,width,height", *rows]))
+    done = rocking(
+        "check", "many.csv", "--a-g", "0.35g", "--f-g", "1.5", "--verdict-only"
+    )
+    names = ", ".join(f"b{i}" for i in range(10))
+    assert f"14 of 14 overturn: {names} and 4 more\n" in done.stderr
