@@ -16,12 +16,12 @@ _PARTLY, _ALL = f"{__name__}.partly", f"{__name__}.all"
 # options that --help leaves to --help-all
 _LATER = """
 --omega-g --T-g --A --Omega --azimuth --sign --linear-uplift --tolerance --eta --alpha
---csv --columns --digits --units --overwrite --quiet --workers --seed --floor --fc
---spectrum --inset-effect --resume --shard --scheduler --chunk --verify-cells --strict
---no-validity --impacts --row-step --steps --dimensionless --duration --site --standing
---bootstrap --efficiency --cells --curve --pulses --counts --exact --dpi --size --style
---title --author --place --summary --xlim --ylim --align --body --log --periods
---damping --building --column --dt --over
+--csv --format --columns --digits --units --overwrite --quiet --workers --seed --floor
+--fc --spectrum --inset-effect --resume --shard --scheduler --chunk --verify-cells
+--strict --no-validity --impacts --row-step --steps --dimensionless --duration --site
+--standing --bootstrap --efficiency --cells --curve --pulses --counts --exact --dpi
+--size --style --title --author --place --summary --xlim --ylim --align --body --log
+--periods --damping --building --column --dt --over
 """.split()  # noqa: SIM905
 
 

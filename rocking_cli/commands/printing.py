@@ -49,6 +49,15 @@ def _keep_units(
         _keep(context, parameter, parse_units(text))
 
 
+def _keep_style(
+    context: click.Context, parameter: click.Parameter, style: str | None
+) -> None:
+    """Keep the style of the rows, and the form that it is of: none of a table."""
+    _keep(context, parameter, style)
+    if style is not None and style.partition("-")[0] in ("json", "csv"):
+        context.meta[f"{__name__}.form"] = style.partition("-")[0]
+
+
 def _of_call(*flags: str, callback: Any = _keep, **settings: Any) -> Callable[[F], F]:
     return click.option(
         *flags, expose_value=False, is_eager=True, callback=callback, **settings
@@ -75,6 +84,13 @@ _json = _of_call(
     "--json", "form", flag_value="json", help="JSON Lines on standard output."
 )
 _csv = _of_call("--csv", "form", flag_value="csv", help="CSV on standard output.")
+_format = _of_call(
+    "--format",
+    "style",
+    type=click.Choice(["json", "csv", "csv-semicolon", "markdown", "latex"]),
+    callback=_keep_style,
+    help="Form of the rows; csv-semicolon has decimal commas.",
+)
 _columns = _of_call(
     "--columns",
     metavar="NAME,…",
@@ -89,7 +105,7 @@ _digits = _of_call(
 
 def printed(command: F) -> F:
     """Decorator: the options of rows on standard output, and --quiet."""
-    return _json(_csv(_columns(_digits(units(quiet(command))))))
+    return _json(_csv(_format(_columns(_digits(units(quiet(command)))))))
 
 
 def is_quiet() -> bool:
@@ -236,7 +252,7 @@ def emit(
         layout = {"digits": digits, "width": _width(), "chosen": chosen, "keys": keys}
     for line in lines(
         rows,
-        form or "table",
+        _kept("style") or form or "table",
         columns,
         encoding=sys.stdout.encoding,
         units=units,

@@ -40,6 +40,16 @@ RATIOS = (
 """The columns of which 1 is the limit: a table shows on which side of it they lie."""
 
 
+_LATEX = {
+    **{mark: f"\\{mark}" for mark in "&%$#_{}"},
+    "~": r"\textasciitilde{}",
+    "^": r"\textasciicircum{}",
+    "\\": r"\textbackslash{}",
+    "<": "$<$",
+    ">": "$>$",
+}
+
+
 class Above(float):
     """A number that the true one exceeds, in a table `> 13`, rounded down."""
 
@@ -62,18 +72,22 @@ def json_line(row: Row, encoding: str = "utf-8") -> str:
     )
 
 
-def csv_lines(rows: Iterable[Row], columns: Sequence[str] = ()) -> Iterator[str]:
+def csv_lines(
+    rows: Iterable[Row], columns: Sequence[str] = (), semicolons: bool = False
+) -> Iterator[str]:
     """Yield CSV lines: a header, that of `columns` if there is no row, and the rows. A
     heading or a text that a spreadsheet reads as a formula gets a leading apostrophe.
+    semicolons: between the cells, with decimal commas, as spreadsheets read them where
+    numbers have these.
     """
     header: list[str] | None = None
     for row in rows:
         if header is None:
             header = list(row)
-            yield _csv_row(header)
-        yield _csv_row([row.get(c) for c in header])
+            yield _csv_row(header, semicolons)
+        yield _csv_row([row.get(c) for c in header], semicolons)
     if header is None and columns:
-        yield _csv_row(columns)
+        yield _csv_row(columns, semicolons)
 
 
 class _Column(NamedTuple):
@@ -110,18 +124,57 @@ def table_lines(
     room for the headings of its keys, has a line for each quantity, and its blocks hold
     as many rows as fit. Raises UsageError for an unknown column.
     """
-    body = list(rows)
+    table = _columns_of(list(rows), digits, chosen, keys)
+    if not table:
+        return
+    upright = len(table[0].cells) <= 4 or _breaks_headings(table, width)
+    yield from _upright(table, width) if upright else _level(table, width)
+
+
+def _columns_of(
+    body: Sequence[Row], digits: int, chosen: Sequence[str], keys: Sequence[str] = ()
+) -> list[_Column]:
+    """Return the columns of a table; arguments as of `table_lines`."""
     table = []
     for heading in _headings(body, chosen):
         values = [row.get(heading) for row in body]
         cells = [heading, *(_cell(heading, value, digits) for value in values)]
         key = heading.partition(" [")[0] in keys
         table.append(_Column(cells, all(map(_is_number, values)), key))
+    return table
 
+
+def markdown_lines(
+    rows: Iterable[Row], digits: int = 4, chosen: Sequence[str] = ()
+) -> Iterator[str]:
+    """Yield the lines of a table in Markdown; arguments as of `table_lines`."""
+    table = _columns_of(list(rows), digits, chosen)
+    for i, row in enumerate(zip(*(column.cells for column in table), strict=True)):
+        yield f"| {' | '.join(cell.replace('|', chr(92) + '|') for cell in row)} |"
+        if not i:
+            marks = ("---:" if column.numeric else "---" for column in table)
+            yield f"| {' | '.join(marks)} |"
+
+
+def latex_lines(
+    rows: Iterable[Row], digits: int = 4, chosen: Sequence[str] = ()
+) -> Iterator[str]:
+    """Yield the lines of a `tabular` of LaTeX; arguments as of `table_lines`."""
+    table = _columns_of(list(rows), digits, chosen)
     if not table:
         return
-    upright = len(body) <= 3 or _breaks_headings(table, width)
-    yield from _upright(table, width) if upright else _level(table, width)
+    places = "".join("r" if column.numeric else "l" for column in table)
+    yield f"\\begin{{tabular}}{{{places}}}"
+    for i, row in enumerate(zip(*(column.cells for column in table), strict=True)):
+        yield " & ".join(map(_in_latex, row)) + r" \\"
+        if not i:
+            yield r"\hline"
+    yield r"\end{tabular}"
+
+
+def _in_latex(text: str) -> str:
+    """Return a text with the marks of LaTeX escaped."""
+    return "".join(_LATEX.get(mark, mark) for mark in text)
 
 
 def unknown_column(name: str, known: Collection[str]) -> UsageError:
@@ -330,7 +383,8 @@ def lines(
     keys: Sequence[str] = (),
     **table: Any,
 ) -> Iterator[str]:
-    """Yield the rows as lines of `json`, `csv` or `table`, the last two in `units`.
+    """Yield the rows as lines of `json`, or in `units` as those of `csv`,
+    `csv-semicolon`, `markdown`, `latex` or `table`.
 
     columns: the header of a CSV without rows; units: None for SI; keys: the columns
     that say which row it is, repeated in every block of a table; table: further
@@ -339,11 +393,17 @@ def lines(
     if form == "json":
         return (json_line(r, encoding) for r in rows)
     units = units or Units()
-    if form == "csv":
+    if form.startswith("csv"):
         headings = [heading for heading, _ in map(units.heading, columns)]
-        return csv_lines(units.shown(map(flat, rows)), headings)
+        return csv_lines(units.shown(map(flat, rows)), headings, form != "csv")
+    if form in MARKED:
+        return MARKED[form](units.shown(rows), table["digits"], table["chosen"])
     named = [units.column(key)[0] for key in keys]
     return table_lines(units.shown(rows), keys=named, **table)
+
+
+MARKED = {"markdown": markdown_lines, "latex": latex_lines}
+"""The forms of a table for other programs."""
 
 
 def shown_cells(row: Row, digits: int = 4) -> Iterator[tuple[str, str]]:
@@ -369,12 +429,22 @@ def _plain(value: Any) -> Any:
 
 
 # `writerow` returns what `write` returns: the text itself
-_WRITER = csv.writer(SimpleNamespace(write=str), lineterminator="")
+_WRITER, _SEMICOLONS = (
+    csv.writer(SimpleNamespace(write=str), lineterminator="", delimiter=mark)
+    for mark in ",;"
+)
 
 
-def _csv_row(values: Iterable[Any]) -> str:
+def _csv_row(values: Iterable[Any], semicolons: bool = False) -> str:
     """Return headings or values as a line of CSV without its end."""
-    return str(_WRITER.writerow(map(csv_cell, values)))
+    cells = map(csv_cell, values)
+    if not semicolons:
+        return str(_WRITER.writerow(cells))
+    return str(
+        _SEMICOLONS.writerow(
+            str(x).replace(".", ",") if isinstance(x, float) else x for x in cells
+        )
+    )
 
 
 def csv_cell(value: Any) -> Any:

@@ -276,3 +276,37 @@ def test_a_limit_that_the_true_number_exceeds_is_rounded_down(number, shown):
     lines = list(table_lines(rows))
     assert lines[2].split(maxsplit=1)[1].strip() == shown
     assert len({len(line) for line in lines}) == 1  # aligned as numbers
+
+
+ROWS = [
+    {"structure": "a|b", "theta_ratio": 0.46287, "share": 12.0},
+    {"structure": "50 %_c", "theta_ratio": None, "share": 1e-7},
+]
+
+
+def test_a_table_for_markdown():
+    assert list(lines(ROWS, "markdown", digits=3, chosen=[])) == [
+        "| structure | theta_ratio | share |",
+        "| --- | ---: | ---: |",
+        r"| a\|b | 0.463 | 12 |",
+        "| 50 %_c | - | 1e-07 |",
+    ]
+
+
+def test_a_table_for_latex():
+    assert list(lines(ROWS, "latex", digits=3, chosen=["structure", "share"])) == [
+        r"\begin{tabular}{lr}",
+        r"structure & share \\",
+        r"\hline",
+        r"a|b & 12 \\",
+        r"50 \%\_c & 1e-07 \\",
+        r"\end{tabular}",
+    ]
+
+
+def test_a_table_for_spreadsheets_with_decimal_commas():
+    assert list(lines(ROWS, "csv-semicolon")) == [
+        "structure;theta_ratio;share",
+        "a|b;0,46287;12,0",
+        "50 %_c;;1e-07",
+    ]
