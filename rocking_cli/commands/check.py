@@ -252,7 +252,7 @@ def _judge_and_print(
     """
     from ..responses.check import verdicts
     from ..responses.verdict import CHECK_COLUMNS, CHECK_KEYS
-    from .check_rows import UNSEEN, row_of
+    from .check_rows import UNSEEN, later_columns, row_of
 
     found: Iterable[tuple[Verdict, Demand]] = zip(
         verdicts(
@@ -275,13 +275,15 @@ def _judge_and_print(
     judged: list[Verdict] = []
     searched = wanted.limit is not None
 
+    later = later_columns(demands, searched)
+
     def rows() -> Iterator[dict[str, Any]]:
         for verdict, demanded in found:
             judged.append(verdict)
             columns = by_code.columns(verdict, searched) if by_code else {}
             columns |= of_draws.columns(demanded)
             kept.append(demands.varied.get(verdict.structure, {}) | verdict.row())
-            yield row_of(verdict, demands, columns, searched)
+            yield row_of(verdict, columns, later)
         yield from by_code.others() if by_code else ()
 
     units = "g,mm,deg" if _in_g(demands.asked) else "mm,deg"

@@ -27,7 +27,7 @@ def known_columns(
     found = [
         *varied,
         *CHECK_COLUMNS,
-        *_later_columns(demands, wanted.limit is not None),
+        *later_columns(demands, wanted.limit is not None),
     ]
     found += ("lost_in_fall", *FLOOR_COLUMNS)
     if demands.azimuths is not None:
@@ -46,18 +46,20 @@ def known_columns(
 
 
 def row_of(
-    verdict: Verdict, demands: Demands, more: dict[str, Any], searched: bool
+    verdict: Verdict, more: dict[str, Any], later: tuple[str, ...]
 ) -> dict[str, Any]:
-    """Return the row of a verdict; more: the columns of --code and --draws."""
+    """Return the row of a verdict; more: the columns of --code and --draws; later: as
+    `later_columns` returns them.
+    """
     row = verdict.row() | more
     if form() is None and (limit := verdict.capacity_above) is not None:
         row["capacity_demand"] = Above(limit)
     if form() == "csv":  # its header is that of the first row
-        row |= {key: row.get(key) for key in _later_columns(demands, searched)}
+        row |= {key: row.get(key) for key in later}
     return row
 
 
-def _later_columns(demands: Demands, searched: bool) -> tuple[str, ...]:
+def later_columns(demands: Demands, searched: bool) -> tuple[str, ...]:
     """The columns that a later row may have and the first one lacks."""
     from ..envelopes.capacity import falls_may_be_narrow
     from ..responses.verdict import SLIDE_COLUMNS, TIED_COLUMNS

@@ -21,7 +21,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from ..errors import DocumentError, did_you_mean
-from .composition import LONGEST, Place
+from .composition import Place
 from .files import read_bytes
 from .quantities import FACTORS, split_quantity
 from .spreads import has_no_unit, in_unit, is_spread
@@ -39,6 +39,7 @@ _COMMENT = re.compile(r"[ \t]*(?:\"?#[^\r\n]*)?(?:\r\n|\r|\n)")
 _LINE = re.compile(r"[^\r\n]{0,10000}")
 _TWO_LINES = re.compile(r"([^\r\n]*)(?:\r\n|\r|\n)?([^\r\n]*)")
 _LINE_END = re.compile(r"\r\n|\r|\n")
+_LONGEST = 64 << 20  # characters of a table of structures
 _LONGEST_HEADING = 100_000  # characters
 _LONGEST_TITLE = 10_000  # characters
 _KEY = re.compile(r"[a-z_]+:")  # that of a YAML document
@@ -395,9 +396,9 @@ def rows_of(text: str, source: str) -> Iterator[list[Cell]]:
     """Yield the non-empty cells of each row of a table of structures. Raises
     DocumentError.
     """
-    if len(text) > LONGEST:
+    if len(text) > _LONGEST:
         raise DocumentError(
-            f"{source}: longer than {LONGEST >> 20} MiB, the limit of a table"
+            f"{source}: longer than {_LONGEST >> 20} MiB, the limit of a table"
         )
     table = table_of(text, source)
     columns = columns_of(table)
