@@ -258,3 +258,10 @@ def test_draws_below_lambda_slide_and_stand(rocking):
     done = rocking(*call, "--levels", "1g:2g:2", "--limit", "slide=1cm", "--draws", "4")
     assert done.returncode == 2
     assert "draws have no displacement" in done.stderr
+
+
+def test_the_slide_of_a_body_is_drawn(rocking, tmp_path):
+    done = rocking("response", SLIDER, *RECORD, "-o", "slide.svg", "-q")
+    assert done.returncode == 0
+    text = (tmp_path / "slide.svg").read_text(encoding="utf-8")
+    assert "friction" in text
