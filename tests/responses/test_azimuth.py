@@ -91,15 +91,15 @@ def test_a_motion_in_one_direction_is_worst_there(degrees):
 
 def test_the_capacity_is_the_least_and_the_rotation_the_largest_of_all_directions():
     """Every direction checked by itself: they are two different ones."""
-    second = (
-        2.6 * np.sin(0.7 * np.arange(120.0)) * np.sin(np.pi * np.arange(120.0) / 119.0)
-    )
-    pair = [component(SAMPLES), component(second)]
+    finely, n = partial(recorded, dt=0.025), np.arange(240.0)
+    first = wave(240, 3.4)
+    second = 2.6 * np.sin(0.35 * n) * np.sin(np.pi * n / 239.0)
+    pair = [finely(first), finely(second)]
     (((structure, motion, grid), one),) = worst_azimuths(
         [BODY], pair, AZIMUTHS, Limit(6.0), workers=1
     )
     turned = {
-        a: record_motion(component(math.cos(a) * SAMPLES + math.sin(a) * second).record)
+        a: record_motion(finely(math.cos(a) * first + math.sin(a) * second).record)
         for a in AZIMUTHS.tolist()
     }
     alone = {
