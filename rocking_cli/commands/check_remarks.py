@@ -21,11 +21,10 @@ _LISTED = 10  # that a line on all of them names, at most
 _SENTENCES = 8  # bodies that slide with a line each, at most
 
 
-def listed(names: list[str]) -> str:
+def listed(names: list[str], most: int = _LISTED) -> str:
     """Return names with commas between them; of many the first few."""
-    if len(names) <= _LISTED + 1:
-        return ", ".join(names)
-    return f"{', '.join(names[:_LISTED])} and {len(names) - _LISTED} more"
+    more = f" and {len(names) - most} more" if len(names) > most else ""
+    return f"{', '.join(names[:most])}{more}"
 
 
 def remarks(verdicts: list[Verdict], *, of_means: bool = False) -> list[str]:
@@ -250,12 +249,10 @@ def _several_at_the_end(
     ]
     said = f"{other} motions may overturn at lower amplitudes"
     if falling:
-        more = f" and {len(falling) - _NAMED} more" if len(falling) > _NAMED else ""
         stand = "stands" if len(falling) == 1 else "stand"
-        names = f"{', '.join(falling[:_NAMED])}{more}"
         said = (
-            f"{other} motions are worse: they overturn {names}, which {stand} in this"
-            " range"
+            f"{other} motions are worse: they overturn {listed(falling, _NAMED)}, which"
+            f" {stand} in this range"
         )
     elif standing:
         last = standing[0][1].last

@@ -49,13 +49,18 @@ def _keep_units(
         _keep(context, parameter, parse_units(text))
 
 
-def _keep_style(
+def _keep_form(
     context: click.Context, parameter: click.Parameter, style: str | None
 ) -> None:
     """Keep the style of the rows, and the form that it is of: none of a table."""
-    _keep(context, parameter, style)
-    if style is not None and style.partition("-")[0] in ("json", "csv"):
-        context.meta[f"{__name__}.form"] = style.partition("-")[0]
+    if style is None:
+        return
+    stated = context.meta.setdefault(f"{__name__}.style_by", parameter.name)
+    if stated != parameter.name:
+        raise click.UsageError("--format does not go with --json or --csv", context)
+    form = style.partition("-")[0]
+    context.meta[f"{__name__}.style"] = style
+    context.meta[f"{__name__}.form"] = form if form in ("json", "csv") else None
 
 
 def _of_call(*flags: str, callback: Any = _keep, **settings: Any) -> Callable[[F], F]:
@@ -81,14 +86,24 @@ units = _of_call(
     ),
 )
 _json = _of_call(
-    "--json", "form", flag_value="json", help="JSON Lines on standard output."
+    "--json",
+    "form",
+    flag_value="json",
+    callback=_keep_form,
+    help="JSON Lines on standard output.",
 )
-_csv = _of_call("--csv", "form", flag_value="csv", help="CSV on standard output.")
+_csv = _of_call(
+    "--csv",
+    "form",
+    flag_value="csv",
+    callback=_keep_form,
+    help="CSV on standard output.",
+)
 _format = _of_call(
     "--format",
     "style",
     type=click.Choice(["json", "csv", "csv-semicolon", "markdown", "latex"]),
-    callback=_keep_style,
+    callback=_keep_form,
     help="Form of the rows; csv-semicolon has decimal commas.",
 )
 _columns = _of_call(

@@ -243,3 +243,12 @@ def test_a_backend_that_does_not_exist_is_told(tmp_path):
     assert "'nosuch'" in done.stderr
     assert "MPLBACKEND" in done.stderr
     assert "Traceback" not in done.stderr
+
+
+def test_rows_have_one_form(rocking):
+    rows = rocking("params", "block:0.5x2", "--format", "markdown", "-q").stdout
+    assert rows.startswith("| name | structure_kind | p [rad/s] |")
+    for other in ("--json", "--csv"):
+        done = rocking("params", "block:0.5x2", other, "--format", "latex")
+        assert done.returncode == 2
+        assert "--format does not go with --json or --csv" in done.stderr

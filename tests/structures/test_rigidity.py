@@ -1,5 +1,6 @@
 """How rigid a body is: omega_n over sqrt(g/R), and what is said of it."""
 
+import json
 import math
 
 import pytest
@@ -25,7 +26,7 @@ BLOCK = "kind: block\nwidth: 0.5\nheight: 4\n"
 def test_the_ratio_is_that_of_the_mass_centre(period, said):
     body = built(f"{BLOCK}period: {period} s")
     ratio = 2.0 * math.pi / period / math.sqrt(9.81 / math.hypot(0.25, 2.0))
-    assert body.details["omega_n"] == pytest.approx(2.0 * math.pi / period, rel=1e-15)
+    assert body.details["omega_n"] == pytest.approx(2.0 * math.pi / period, rel=1e-12)
     assert body.details["omega_n_over_p"] == pytest.approx(ratio, rel=1e-12)
     assert len(body.remarks) == bool(said)
     assert all(said in remark and "not rigid" in remark for remark in body.remarks)
@@ -36,6 +37,16 @@ def test_a_steep_body_has_no_table():
     (remark,) = body.remarks
     assert body.details["omega_n_over_p"] < 20.0
     assert "no table" in remark
+
+
+def test_what_params_prints_says_the_same():
+    body = built(f"{BLOCK}period: 0.3 s")
+    again = built(json.dumps(body.row()))
+    assert again.details == body.details
+    assert (
+        again.remarks[0].partition(": omega_n/p")[2]
+        == body.remarks[0].partition(": omega_n/p")[2]
+    )
 
 
 def test_a_rigid_body_has_no_word():

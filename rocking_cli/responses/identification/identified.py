@@ -31,9 +31,6 @@ IMPACT_COLUMNS = (
     *("trace", "release", "impact", "t", "side", "theta_before", "ratio"),
     *("eta", "eta_low", "eta_high", "eta_alone"),
 )
-SIDE_COLUMNS = tuple(
-    f"{key}_{side}" for key in ("inset", "alpha") for side in ("right", "left")
-)
 
 _TINY = 1e-12
 

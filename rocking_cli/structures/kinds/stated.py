@@ -16,6 +16,7 @@ from ..parameters import (
     numbers_of,
     weaker_side,
 )
+from ..rigidity import RIGIDITY
 from ..shared_keys import ONE_SIDED_RESTITUTION, RIGID, gravity_of
 
 REPORTS = ()
@@ -24,6 +25,8 @@ DETAILS = {
     "mass": RIGID.all["mass"],
     "alpha_geometric": Key("angle"),
     "base_stress": Key("stress"),
+    "omega_n": positive("frequency parameter"),
+    "omega_n_over_p": positive("number"),
     **dict.fromkeys(("inset", "length", "tip_height", "crack_height"), Key("length")),
 }
 LARGEST_P = 1e150  # rad/s; p^2 and 1/p^2 must be within double precision
@@ -121,7 +124,7 @@ def _details(document: Document, structure: str) -> dict[str, Any]:
     # The stated alpha is that with the inset.
     moved = ("inset", "alpha_geometric", "base_stress")
     inset = moved if document.has("alpha_geometric") else ()
-    reported = (*reports_of(structure), "mass", OTHERS, *inset, *VARIED)
+    reported = (*reports_of(structure), "mass", OTHERS, *inset, *VARIED, *RIGIDITY)
     details = {
         key: document.values[key].plain()
         for key in document.values
