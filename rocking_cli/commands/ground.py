@@ -36,7 +36,8 @@ _VERTICAL = (
     f" {STATION}: the component of the same file. FILE,unit=g,… as of --motion."
 )
 COLUMN = (
-    "Column of a table of numbers, from 1; all: each line goes on from the one before."
+    "Column of a table of numbers, from 1; all: each line goes on from the one before;"
+    " pairs: a line holds several times, each with its value."
 )
 AS_IT_STANDS = (
     "Take numbers that are unlike a ground motion: of one sign, or far from zero."
@@ -87,13 +88,11 @@ class Reading:
         metavar="UNIT",
     )
     motion_dt: float | None = option("--dt --motion-dt", DT, type=quantity("time"))
-    column: str | None = option("--column", COLUMN, metavar="NUMBER|all")
-    skip: int = option(
+    column: str | None = option("--column", COLUMN, metavar="NUMBER|all|pairs")
+    skip: str | None = option(
         "--skip",
-        "Lines above a record that are not read.",
-        type=click.IntRange(min=0),
-        default=0,
-        metavar="LINES",
+        "Lines above a record, and below it, that are not read.",
+        metavar="ABOVE[:BELOW]",
     )
     as_it_stands: bool = flag("--as-it-stands", AS_IT_STANDS)
 

@@ -14,7 +14,7 @@ from typing import Any, BinaryIO, TypeVar, Unpack, cast
 
 from ..documents.files import STDIN, read_bytes
 from ..documents.parsing import documents_of
-from ..documents.quantities import parse_whole, quantity_at
+from ..documents.quantities import quantity_at
 from ..errors import DocumentError, NoAcceleration, NoComponent, UsageError
 from ..plugins import installed
 from .biaxial import Upwards
@@ -62,8 +62,9 @@ class MotionChoices(Stated, total=False):
     component: by name or number from 1
     unit: of plain numbers, such as "cm/s2"
     dt: time step of plain numbers [s]
-    column: of plain numbers, from 1; "all" where each line goes on from the last
-    skip: number of lines above that are not read
+    column: of plain numbers, from 1; "all" where each line goes on from the last,
+        "pairs" where it holds several times, each with its value
+    skip: number of lines above that are not read; "4:60": 4 above and 60 below
     as_it_stands: True takes numbers that are unlike a ground motion, as of one sign
     scale: factor, which may be negative [-]
     scale_to: instead of `scale`, such as "PGA=0.35g"
@@ -190,8 +191,6 @@ def beside(path: str, given: MotionChoices | None = None) -> tuple[str, MotionCh
         path, own[stated[1]] = path[: stated.start()], stated[2].strip()
     if "dt" in own:
         own["dt"] = quantity_at("`dt`", own["dt"], "time")
-    if "skip" in own:
-        own["skip"] = parse_whole(own["skip"]) or 0
     return path, cast("MotionChoices", {**(given or {}), **own})
 
 

@@ -247,9 +247,10 @@ class Stated(TypedDict, total=False):
 
     unit: str | None  # unit of plain numbers
     dt: float | None  # time step of plain numbers [s]
-    # column of plain numbers, from 1; `all` where each line goes on from the last
+    # column of plain numbers, from 1; `all` where each line goes on from the last;
+    # `pairs` where a line holds several times, each with its value
     column: str | None
-    skip: int  # lines above, which are not read
+    skip: int | str  # lines above, or above and below as 4:60, which are not read
     as_it_stands: bool  # True takes numbers that are unlike a ground motion
 
 
@@ -273,7 +274,7 @@ def read_record(
     unit: str | None = None,
     dt: float | None = None,
     column: str | None = None,
-    skip: int = 0,
+    skip: int | str = 0,
     as_it_stands: bool = False,
 ) -> Record:
     """Return one record of a file.
@@ -291,9 +292,10 @@ def read_record(
     dt
         time step of plain columns of numbers [s]
     column
-        of plain columns of numbers, from 1; "all" where each line goes on from the last
+        of plain columns of numbers, from 1; "all" where each line goes on from the
+        last, "pairs" where it holds several times, each with its value
     skip
-        number of lines above that are not read
+        number of lines above that are not read; "4:60": 4 above and 60 below
     as_it_stands
         True takes numbers that are unlike a ground motion, as of one sign
 

@@ -17,7 +17,7 @@ from ...errors import DocumentError, UsageError
 from .directions import UNKNOWN as NO_DIRECTION
 from .directions import direction_of
 from .headings import ACCELERATION, INDEX, TIME, UNKNOWN, Heading, headings_of
-from .record import EVERY, Series
+from .record import EVERY, PAIRS, Series
 from .rows import NumberRows, counts_up, is_row, rows_of, unlike_samples
 from .text import RecordText
 from .times import even_step, is_even
@@ -60,6 +60,8 @@ def read(text: RecordText) -> list[Series]:
     heading = _COMMENT.sub("", last).strip()
     rows = rows_of(text, heading)
     every = text.given.column == EVERY
+    if text.given.column == PAIRS:
+        rows = rows.in_pairs(text)
     cells = _cells(heading, rows.separator, 1 if every else rows.columns)
     if len(above) > 1:
         usual = cells is not None and all(x.role in _USUAL for x in cells)
@@ -257,9 +259,10 @@ class _Table:
         if time is not None and self.cells is None and again and len(values) > _FEW:
             raise self.fault(
                 f"columns {time + 1} and {again[0] + 1} rise alike, as times do;"
-                " expected one time a line, no pairs of times and values"
+                f" expected one time a line, or `column` {PAIRS}, which reads pairs of"
+                " times and values"
             )
-        if self.given.column is not None:
+        if self.given.column not in (None, PAIRS):
             return [self.asked(self.given.column, values, time)]
         if self.cells is None and self.width > begin + 1:
             raise self.fault(

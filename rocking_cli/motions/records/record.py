@@ -24,6 +24,7 @@ from .units import ACCELERATIONS, WRITTEN_UNITS, require_known
 LARGEST = 1e6  # m/s2, beyond which no ground shakes
 STEPS = (1e-7, 1e3)  # s, from the shortest to the longest
 EVERY = "all"  # columns that follow each other: several values of one record on a line
+PAIRS = "pairs"  # several times on a line, each with its value
 HORIZONTAL, ALL, STATION = "horizontal", "all", "station"
 
 
@@ -32,8 +33,9 @@ class Given(NamedTuple):
 
     unit: str | None = None  # unit of acceleration
     dt: float | None = None  # time step [s]
-    column: str | None = None  # number of a column from 1, or EVERY
+    column: str | None = None  # number of a column from 1, EVERY or PAIRS
     skip: int = 0  # lines above, which are not read
+    below: int = 0  # lines at the end, which are not read
     as_it_stands: bool = False  # True takes numbers that are unlike a ground motion
     named: bool = True  # False for a file of a directory
 
@@ -53,13 +55,19 @@ class Given(NamedTuple):
             if said["unit"] is None:
                 known = ", ".join(WRITTEN_UNITS)
                 raise UsageError(f"`unit`: found {unit!r}; expected {known}")
-        if column not in (None, EVERY) and not re.fullmatch(r"[1-9]\d{0,4}", column):
+        words = (None, EVERY, PAIRS)
+        if column not in words and not re.fullmatch(r"[1-9]\d{0,4}", column):
             raise UsageError(
-                f"`column`: found {column!r}; expected a number from 1, or {EVERY}"
+                f"`column`: found {column!r}; expected a number from 1, {EVERY} or"
+                f" {PAIRS}"
             )
-        if said.get("skip", 0) < 0:
-            raise UsageError(f"`skip`: found {said['skip']}; expected a number from 0")
-        return cls(**said)
+        lines = re.fullmatch(r"\s*(\d+)(?::(\d+))?\s*", str(said.pop("skip", 0)))
+        if lines is None:
+            raise UsageError(
+                f"`skip`: found {stated['skip']}; expected a number from 0, or two as"
+                " 4:60, of lines above and below"
+            )
+        return cls(**said, skip=int(lines[1]), below=int(lines[2] or 0))
 
 
 class Series(NamedTuple):

@@ -3,7 +3,7 @@ that touch.
 """
 
 import re
-from typing import NamedTuple
+from typing import NamedTuple, Self
 
 import numpy as np
 
@@ -36,6 +36,17 @@ class NumberRows(NamedTuple):
     def columns(self) -> int:
         """How many numbers stand on most lines."""
         return int(np.bincount(self.counts).argmax())
+
+    def in_pairs(self, text: RecordText) -> Self:
+        """Return the rows of two numbers of lines that hold several. Raises
+        DocumentError at a line of an odd number.
+        """
+        if (odd := np.flatnonzero(self.counts % 2)).size:
+            found = f"found {self.counts[odd[0]]} numbers; expected pairs of two"
+            raise text.fault(found, int(self.lines[odd[0]]))
+        pairs = self.counts // 2
+        lines = np.repeat(self.lines, pairs)
+        return self._replace(counts=np.full(lines.size, 2), lines=lines)
 
 
 def is_row(line: str) -> bool:

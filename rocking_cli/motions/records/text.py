@@ -33,6 +33,8 @@ HEAD = 1 << 16  # bytes in which a format shows itself
 LONGEST_LINE = 1000
 _DOS_BLOCK = 128  # bytes
 _LAST = 200  # bytes that may hold the last line
+# the first word of a line of words, no number that is missing
+_WORD = re.compile(rb"(?!(?:nan|inf)\b)[^\W\d_]", re.IGNORECASE)
 # a format such as (8F10.5) or (1E15.6)
 FORTRAN = r"\(\s*(?:\d+P\s*,?\s*)?(?P<columns>\d*)\s*[FEGDI]\s*(?P<width>[1-9]\d?)"
 
@@ -120,15 +122,26 @@ class RecordText:
         self.declared = 0
 
     def _skip(self) -> list[str]:
-        """Pass over the lines that the user counts, and return them."""
-        lines = [self.any_line() for _ in range(self.given.skip)]
-        if None in lines or (lines and self.at >= len(self.raw)):
-            held = self.raw.count(b"\n")
+        """Pass over the lines above and leave out those below that the user counts;
+        return what is told of them.
+        """
+        skip, below = self.given.skip, self.given.below
+        if not (skip or below):
+            return []
+        lines = self.raw.removesuffix(b"\n").split(b"\n")
+        end = len(lines) - below
+        if skip >= end:
+            found = f"{skip}:{below}" if below else skip
             raise UsageError(
-                f"{self.source}: `skip`: found {self.given.skip}; the file has {held}"
-                " lines"
+                f"{self.source}: `skip`: found {found}; the file has {len(lines)} lines"
             )
-        return [f"line {i}, not read: {x!r}" for i, x in enumerate(lines, 1) if x]
+        self._take(skip)
+        left_out = [(f"line {i}", x) for i, x in enumerate(lines[:skip], 1)]
+        if below:
+            self.raw = b"\n".join(lines[:end])
+            left_out.append((f"line {end + 1} and below", lines[end]))
+        told = [(place, self.decoded(x).rstrip()) for place, x in left_out]
+        return [f"{place}, not read: {x!r}" for place, x in told if x]
 
     def decoded(self, raw: bytes) -> str:
         """Return bytes of the file as text."""
@@ -474,13 +487,21 @@ class RecordText:
             found = [finite_number(token) for token in block.split()]
             bad = next((i for i, value in enumerate(found) if value is None), None)
             if bad is not None:
+                word, line = block.split()[bad], int(on[bad])
+                words = on[bad] > on[bad - 1] and _WORD.match(word)
                 raise self.fault(
-                    f"found {shown(block.split()[bad])}; expected one block of numbers"
-                    f" alone from line {self.line} on",
-                    int(on[bad]),
+                    f"found {shown(word)}; expected one block of numbers alone from"
+                    f" line {self.line} on{self._apart(line) if words else ''}",
+                    line,
                 )
             values = np.array(found, dtype=float)
         return values, counts, lines
+
+    def _apart(self, line: int) -> str:
+        """Return the option that leaves out a line of words and those below."""
+        above, below = self.line - 1, self.raw.rstrip().count(b"\n") + 2 - line
+        above = above if above > self.given.skip + 1 else self.given.skip
+        return f": `skip` {above}:{below} passes over lines above and below"
 
     def _finite(self, token: bytes, after: str = "") -> float:
         value = finite_number(token)

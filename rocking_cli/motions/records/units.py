@@ -9,8 +9,19 @@ import unicodedata
 
 from ...documents.quantities import UNITS
 
-ACCELERATIONS = UNITS["acceleration"]
-WRITTEN_UNITS = ("m/s2", "cm/s2", "mm/s2", "gal", "g", "mg", "%g", "ft/s2", "in/s2")
+ACCELERATIONS = {**UNITS["acceleration"], "g/10": 0.1 * UNITS["acceleration"]["g"]}
+WRITTEN_UNITS = (
+    "m/s2",
+    "cm/s2",
+    "mm/s2",
+    "gal",
+    "g",
+    "mg",
+    "%g",
+    "g/10",
+    "ft/s2",
+    "in/s2",
+)
 
 _LETTERS = str.maketrans(
     {
@@ -54,6 +65,7 @@ _ACCELERATION = re.compile(
 _NAMED = {
     "%g": "%g|% g|%of g|% of g",
     "mg": "mg|milli-g",
+    "g/10": "g/10",
     "gal": "gal|gals",
     "g": "g|g0|gn|gs|gravity|units of g|fraction of g|g-units",
 }

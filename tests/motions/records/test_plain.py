@@ -95,6 +95,18 @@ SAME = {
         {**STATED, "skip": 4},
     ),
     "prose above a heading": (f"Kobe, Japan\nt [s] a [m/s2]\n{TWO}", {"skip": 1}),
+    "a block of velocities below": (
+        f"Kobe\nDATA TYPE=AC\n{COLUMN}\nDATA TYPE=VL\n{COLUMN}",
+        {**STATED, "skip": "2:402"},
+    ),
+    "pairs of times and values": (
+        "UNITS ARE SEC AND G/10\n" + TWO.replace("\n", " ", 350),
+        {"unit": "m/s2", "column": "pairs", "skip": 1},
+    ),
+    "pairs below headings": (
+        "t [s] a [m/s2]\n" + TWO.replace("\n", " ", 397),
+        {"column": "pairs"},
+    ),
     "a number of values above": (f"400\n{COLUMN}", {**STATED, "skip": 1}),
 }
 
@@ -125,9 +137,41 @@ def test_lines_above_are_counted_by_the_user_and_told(tmp_path):
     assert "a:203: times that do not rise" in refusal(
         path, f"Kobe\n1\n{TWO.replace('2.00 ', '2.05 ')}", unit="g", skip=2
     )
-    for skip, words in ((403, "found 403; the file has 402 lines"), (-1, "from 0")):
+    for skip, words in (
+        (403, "found 403; the file has 402 lines"),
+        ("2:400", "found 2:400; the file has 402 lines"),
+        (-1, "from 0"),
+        ("2:", "two as 4:60, of lines above and below"),
+    ):
         with pytest.raises(UsageError, match=words):
             read_record(path, skip=skip)
+
+
+@pytest.mark.parametrize("skip", [0, 1])
+def test_words_below_the_numbers_are_left_out_by_the_user(tmp_path, skip):
+    path, above = tmp_path / "a", skip * "Kobe\n" + "acc [m/s2]\n"
+    text = f"{above}{COLUMN}DATA TYPE=VL\n{COLUMN}"
+    said = refusal(path, text, dt=0.01, skip=skip)
+    assert f"a:{402 + skip}: found 'DATA'" in said
+    assert f"`skip` {skip}:401 passes over lines above and below" in said
+    record = read_record(path, dt=0.01, skip=f"{skip}:401")
+    np.testing.assert_array_equal(record.acceleration, READ)
+    told = f"line {402 + skip} and below, not read: 'DATA TYPE=VL'"
+    assert record.remarks[0].endswith(told)
+    assert "`skip`" not in refusal(path, f"{above}{COLUMN}nan\n", dt=0.01, skip=skip)
+
+
+def test_tenths_of_g_are_a_unit(tmp_path):
+    (tmp_path / "a").write_text("t [s],acc [G/10]\n" + TWO.replace(" ", ","))
+    record = read_record(tmp_path / "a")
+    np.testing.assert_allclose(record.acceleration, 0.981 * np.array(READ), rtol=1e-15)
+    assert record.unit == "g/10"
+
+
+def test_lines_of_pairs_hold_two_numbers_each(tmp_path):
+    text = "0 0.1 0.01 -0.2\n0.02 0.3 0.03\n0.04 0.1\n"
+    said = refusal(tmp_path / "a", text, column="pairs", unit="g")
+    assert "a:2: found 3 numbers; expected pairs of two" in said
 
 
 def test_lines_above_any_format_are_passed_over(tmp_path):

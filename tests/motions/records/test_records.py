@@ -242,7 +242,7 @@ def test_an_installed_package_adds_a_format_which_says_its_own_fault(
         (
             {"read": "return [Series('N', 0.01, np.zeros(count), 'furlong')]"},
             "TypeError: read returns the unit 'furlong'; expected m/s2, cm/s2, mm/s2,"
-            " gal, g, mg, %g, ft/s2, in/s2",
+            " gal, g, mg, %g, g/10, ft/s2, in/s2",
         ),
         (
             {"read": "return [Series('N', 0.01, [0.0] * count, 'gal')]"},
@@ -295,7 +295,7 @@ def test_options_may_repeat_what_a_file_says_and_not_contradict_it(tmp_path):
     ):
         read_record(tmp_path / "a", column="2")
     with pytest.raises(
-        UsageError, match=r"`column`: found '0'; expected a number from 1, or all"
+        UsageError, match=r"`column`: found '0'; expected a number from 1, all or"
     ):
         read_record(tmp_path / "a", column="0")
 
