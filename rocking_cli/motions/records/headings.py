@@ -9,11 +9,13 @@ import unicodedata
 from collections.abc import Iterable
 from typing import NamedTuple
 
+from ...documents.quantities import FACTORS
 from .directions import is_component
 from .units import is_foreign, plain, time_unit, unit_of
 
 TIME, INDEX, ACCELERATION, UNKNOWN = "time", "index", "acceleration", "unknown"
 AMBIGUOUS = "direction or another quantity"
+NO_UNIT = "no unit that is known:"  # with the word, of words that may be no heading
 
 
 def _words(text: str) -> frozenset[str]:
@@ -90,7 +92,8 @@ def heading_of(text: str, first: bool = False) -> Heading:
     name, word = _parted(text, first)
     unit, seconds = unit_of(word), time_unit(word)
     if word and unit is None and seconds is None:
-        return Heading(text, f"quantity in {word}")
+        known = is_foreign(word) or word in FACTORS or other_quantity(text)
+        return Heading(text, f"{'quantity in' if known else NO_UNIT} {word}")
     role, component = _named(name, first, unit is not None)
     found = Heading(text, role, unit, seconds or 1.0, component)
     odd = word and (seconds if role == TIME else unit) is None and not found.is_other

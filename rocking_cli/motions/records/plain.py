@@ -16,7 +16,7 @@ from ...arrays import Array
 from ...errors import DocumentError, UsageError
 from .directions import UNKNOWN as NO_DIRECTION
 from .directions import direction_of
-from .headings import ACCELERATION, INDEX, TIME, UNKNOWN, Heading, headings_of
+from .headings import ACCELERATION, INDEX, NO_UNIT, TIME, UNKNOWN, Heading, headings_of
 from .record import EVERY, PAIRS, Series
 from .rows import NumberRows, counts_up, is_row, rows_of, unlike_samples
 from .text import RecordText
@@ -283,8 +283,9 @@ class _Table:
         others = [cells[i] for i in held if cells[i].is_other]
         if not found:
             cell = others[0]
+            beside = f", or `skip` {self.line}" * cell.role.startswith(NO_UNIT)
             raise self.fault(
-                f"found {cell.text!r} ({cell.role}); expected an acceleration"
+                f"found {cell.text!r} ({cell.role}); expected an acceleration{beside}"
             )
         nameless = [cells[i].text for i in found if cells[i].component is None]
         if len(found) > 1 and nameless:

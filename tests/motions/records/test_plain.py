@@ -384,6 +384,11 @@ def lines(**changed):
             {"unit": "g"},
             "a:1: found 'Displ. [cm]' (quantity in cm); expected an acceleration",
         ),
+        (
+            "own motion in g (8F9.6)\n0.1 -0.2\n-0.3 0.1\n",
+            {"column": "all"},
+            "(no unit that is known: 8F9.6); expected an acceleration, or `skip` 1",
+        ),
         ("0 1\n0 2\n0 3\n", {"unit": "g"}, "times that do not rise"),
         (
             "0\n1e7\n",
