@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from ..fragility.measures import MotionMember
     from ..fragility.study import Study
     from ..motions.intensity_measures import Measure
-    from ..spectra.sweep import SweepOptions
+    from ..spectra.sweep_options import SweepOptions
     from ..structures import RockingParameters
 
 _WHICH_RATE = (
@@ -127,7 +127,7 @@ def _requested(
     from ..fragility.exposure import MotionSet
     from ..fragility.hazard_files import read_hazard
     from ..motions.intensity_measures import measure_of
-    from ..spectra.sweep import SweepOptions
+    from ..spectra.sweep_options import SweepOptions
 
     structures, texts = options.structures_of(files, each=True)
     if wanted.draws is not None:

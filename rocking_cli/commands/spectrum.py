@@ -99,7 +99,8 @@ def spectrum(
     from ..reports.remarks import direction_in_words
     from ..reports.summary import summary_lines
     from ..spectra.file.partial_file import check_output
-    from ..spectra.sweep import CHUNK_CELLS, SweepOptions, write_scene
+    from ..spectra.sweep import write_scene
+    from ..spectra.sweep_options import CHUNK_CELLS, SweepOptions
 
     files, shaken = motions.several(files, one_upwards=True)
     grid = _grid(wanted, shaken)

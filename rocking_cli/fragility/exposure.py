@@ -25,7 +25,8 @@ from ..errors import UsageError
 from ..motions.grid import Axis
 from ..motions.intensity_measures import Measure
 from ..processes import available_cpus, part_reporter
-from ..spectra.sweep import SweepOptions, spectrum_of, write_scene
+from ..spectra.sweep import spectrum_of, write_scene
+from ..spectra.sweep_options import SweepOptions
 from ..structures.friction import friction_that_slides
 from ..structures.parameters import RockingParameters
 from .fitted_curve import SlideLimit

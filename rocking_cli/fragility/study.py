@@ -17,7 +17,7 @@ from ..dynamics.outcome import Outcome
 from ..errors import UsageError, did_you_mean
 from ..motions.given import HasMotion, recordings_from
 from ..motions.intensity_measures import Measure, measure_of
-from ..spectra.sweep import SweepOptions
+from ..spectra.sweep_options import SweepOptions
 from ..structures.given import Structure, structures_from
 from ..structures.parameters import RockingParameters
 from .bootstrap import Resampling, bootstrap, interval

@@ -32,7 +32,8 @@ from ..responses.shares import ShareOfDraws
 from ..responses.uncertainty import drawn_verdict, share_curve
 from ..responses.verdict import Verdict
 from ..spectra.results import Spectrum
-from ..spectra.sweep import SweepOptions, spectrum
+from ..spectra.sweep import spectrum
+from ..spectra.sweep_options import SweepOptions
 from ..structures import RockingParameters
 from ..structures.kinds import sketch_of
 from .device_words import devices_in_words

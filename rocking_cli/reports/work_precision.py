@@ -20,8 +20,8 @@ from ..errors import UsageError
 from ..motions.given import AnyMotion, with_grid
 from ..motions.grid import Grid
 from ..spectra.error_bound import tolerance_of
-from ..spectra.scene import PulseScene
-from ..spectra.verification import CellPlace, drawn_cells
+from ..spectra.scene import CellPlace, PulseScene
+from ..spectra.verification import drawn_cells
 from ..structures.given import Structure, structure_from
 
 TOLERANCES = (1e-4, 1e-6, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12)

@@ -7,6 +7,7 @@ Spectra of records are other scenes (`record_scene`).
 """
 
 import json
+import math
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass
@@ -25,6 +26,8 @@ from ..structures.friction import friction_that_slides
 from ..structures.parameters import RockingParameters
 from .dimensions import Frame, structure_lists, varied_units
 
+CellPlace = tuple[int, int, int]  # indices of a cell on the three dimensions
+
 
 @dataclass(frozen=True)
 class Unit:
@@ -36,11 +39,17 @@ class Unit:
     row: int  # row of its first cell
     column: int  # column of its first cell
     shape: tuple[int, int] = (1, 1)  # (rows, columns)
+    wanted: tuple[CellPlace, ...] = ()  # its cells that the verification looks at
 
     @property
-    def first(self) -> tuple[int, int, int]:
+    def first(self) -> CellPlace:
         """The place of its first cell."""
         return self.places[0], self.row, self.column
+
+    @property
+    def shared(self) -> int:
+        """The number of cells that take the result of another place."""
+        return (len(self.places) - 1) * math.prod(self.shape)
 
     @property
     def rows(self) -> slice:

@@ -3,9 +3,11 @@ or into memory.
 """
 
 import time
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import replace
 from functools import partial
+from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -20,145 +22,22 @@ from ..interruption import deferred
 from ..motions import Motion
 from ..motions.given import AnyMotion, with_grid
 from ..motions.grid import Grid
-from ..processes import available_cpus, refuse_endless
+from ..processes import Runner, processes, refuse_endless
 from ..structures.given import Structure, structures_from
 from ..structures.parameters import RockingParameters
-from .dimensions import QUANTITIES, VARIABLES
+from .dimensions import VARIABLES
 from .error_bound import Conditions, tolerance_of
 from .results import Spectrum, Summary
 from .scene import PulseScene, Scene, Unit, cut_into_units
+from .sweep_options import SweepOptions
 from .verification import Verification, default_check, validity
-from .work.jobs import CellValues, Crew, Job, Report, local_crew, unit_reports
+from .work.jobs import CellValues, Job
 
 if TYPE_CHECKING:
     from .file.layout import FileLayout
+    from .file.writer import SpectraWriter
 
 _MOST_UNITS = 1_000_000
-CHUNK_CELLS = 131072
-_SMALL = 100_000  # cells below which starting processes takes longer than they save
-
-CellProgress = Callable[[int, int], None]
-
-
-@dataclass(frozen=True)
-class SweepOptions:
-    """Options of a sweep, checked at construction; those from `impacts` on are for the
-    file of `write_spectrum`. Raises UsageError.
-
-    Attributes
-    ----------
-    workers: number of processes, None for all cores
-    scheduler: address of a dask.distributed cluster that computes instead
-    chunk_cells: number of cells in one unit of work
-    check: number of cells to compute again by the reference, None for a few
-    quantities: names of `QUANTITIES` to compute as well
-    sample_validity: compare some cells of a linear sweep with the nonlinear equation
-    progress: called with (units done, all units)
-    tell: called with a line while the sweep waits for its cluster
-    impacts: store impacts_at_least, the number of impacts that were computed
-    overwrite: replace an existing output
-    resume: continue the partial file PATH.part of an interrupted sweep of the same
-        scene
-    strict: refuse a partial file that another machine began whose results may differ in
-        the last digits
-    shard: (i, n): compute the i-th of n parts, for `merge`
-    documents: text to store in the file
-    history: text to store in the file
-    """
-
-    workers: int | None = None  # number of processes, None for all cores
-    # address of a dask.distributed cluster that computes instead
-    scheduler: str | None = None
-    chunk_cells: int = CHUNK_CELLS  # number of cells in one unit of work
-    # number of cells to compute again by the reference, None for a few
-    check: int | None = None
-    quantities: Sequence[str] = ()  # names of `QUANTITIES` to compute as well
-    # compare some cells of a linear sweep with the nonlinear equation
-    sample_validity: bool = False
-    progress: CellProgress | None = None  # called with (units done, all units)
-    # called with a line while the sweep waits for its cluster
-    tell: Callable[[str], None] | None = None
-    impacts: bool = False  # store impacts_at_least
-    overwrite: bool = False  # replace an existing output
-    # continue the partial file PATH.part of an interrupted sweep of the same scene
-    resume: bool = False
-    # refuse a partial file that another machine began whose results may differ in the
-    # last digits
-    strict: bool = False
-    # (i, n): compute the i-th of n parts, for `merge`
-    shard: tuple[int, int] | None = None
-    documents: str = ""  # text to store in the file
-    history: str = ""  # text to store in the file
-
-    def __post_init__(self) -> None:
-        if self.workers is not None and self.workers < 1:
-            raise UsageError(
-                f"workers is {self.workers}; it must be a whole number from 1"
-            )
-        if self.chunk_cells < 1:
-            raise UsageError(
-                f"a unit of work: found {self.chunk_cells} cells; expected one or more"
-            )
-        for name in self.quantities:
-            if name in ("friction", "fz_min"):
-                raise UsageError(
-                    f"quantity {name}: a sweep no longer stores it; check and response"
-                    " give friction_needed and fz_min"
-                )
-            if name not in QUANTITIES:
-                raise UsageError(
-                    f"unknown quantity {name!r}; expected {', '.join(QUANTITIES)}"
-                )
-        if self.resume and self.overwrite:
-            raise UsageError("`resume` does not go with `overwrite`")
-        if self.scheduler is not None:
-            from .work.cluster import check_scheduler
-
-            check_scheduler(self.scheduler)
-
-    def processes(self, scene: Scene) -> int:
-        """Return the number of processes for a scene: `workers` if given, otherwise one
-        for a small scene.
-        """
-        return self.workers or (1 if scene.cells < _SMALL else available_cpus())
-
-    def chunk(self, scene: Scene) -> tuple[int, int]:
-        """Return (rows, columns) of a unit of work: whole rows if they fit."""
-        _, rows, columns = scene.shape
-        width = min(columns, self.chunk_cells)
-        return min(rows, max(1, self.chunk_cells // width)), width
-
-    def quantities_of(self, scene: Scene) -> tuple[str, ...]:
-        """Return the quantities to compute, in the order of `QUANTITIES`: the requested
-        ones, and those that the scene always has. Raises UsageError if the scene does
-        not define one of them.
-        """
-        found = tuple(
-            name for name in QUANTITIES if name in (*self.quantities, *scene.quantities)
-        )
-        if "velocity_ratio" in found and not scene.of_records:
-            raise UsageError(
-                "quantity velocity_ratio: found the sweep of a pulse; expected a sweep"
-                " of records"
-            )
-        if "linear" in found and scene.method.exact:
-            raise UsageError(
-                "quantity linear: compares with the nonlinear equation; `model` must be"
-                " nonlinear"
-            )
-        return found
-
-    def variables_of(self, scene: Scene) -> tuple[str, ...]:
-        """Return the variables in the file of a scene, in the order of `VARIABLES`.
-        Raises UsageError as `quantities_of`.
-        """
-        of_quantities = {
-            name for key in self.quantities_of(scene) for name in QUANTITIES[key]
-        }
-        wanted = {"theta_ratio", "outcome", *of_quantities} | (
-            {"impacts_at_least"} if self.impacts else set()
-        )
-        return tuple(name for name in VARIABLES if name in wanted)
 
 
 def spectrum(
@@ -241,21 +120,36 @@ def spectrum_of(scene: Scene, options: SweepOptions | None = None) -> Spectrum:
     Raises UsageError.
     """
     options = replace(options or SweepOptions(), impacts=True)
-    arrays = {
-        name: np.full(scene.shape, VARIABLES[name].fill, VARIABLES[name].dtype)
-        for name in options.variables_of(scene)
-    }
-
-    def keep(unit: Unit, blocks: tuple[CellValues, ...]) -> None:
-        for i, block in zip(unit.places, blocks, strict=True):
-            for name, values in arrays.items():
-                values[i, unit.rows, unit.columns] = block[name]
-
-    summary = _run(scene, options, _units_of(scene, options), keep)
-    theta_ratio, outcome, impacts = (
-        arrays.pop(name) for name in ("theta_ratio", "outcome", "impacts_at_least")
+    arrays = _Arrays(scene, options.variables_of(scene))
+    summary = _run(scene, options, _units_of(scene, options), arrays)
+    own = arrays.variables
+    theta_ratio, outcome, impacts = map(
+        own.pop, ("theta_ratio", "outcome", "impacts_at_least")
     )
-    return Spectrum(scene, theta_ratio, outcome, impacts, summary, arrays)
+    return Spectrum(scene, theta_ratio, outcome, impacts, summary, own)
+
+
+class _Arrays:
+    """Variables of a scene in memory; what a sweep fills in place of a file."""
+
+    convert = None  # blocks are kept as they are
+
+    def __init__(self, scene: Scene, names: Sequence[str]) -> None:
+        self.variables = {
+            name: np.full(scene.shape, VARIABLES[name].fill, VARIABLES[name].dtype)
+            for name in names
+        }
+        self.conditions = Conditions.of(np.zeros(0))
+
+    def found(self, unit: Unit) -> None:
+        """Nothing is resumed."""
+
+    def keep(self, unit: Unit, blocks: Sequence[CellValues]) -> None:
+        """Keep the blocks of a unit, one for each of its places."""
+        for i, block in zip(unit.places, blocks, strict=True):
+            self.conditions += Conditions.of(block["condition"])
+            for name, values in self.variables.items():
+                values[i, unit.rows, unit.columns] = block[name]
 
 
 def write_spectrum(
@@ -331,8 +225,7 @@ def write_scene(
     from .file.writer import SpectraWriter
 
     options = options or SweepOptions()
-    units, chunk = _units_of(scene, options), options.chunk(scene)
-    layout = _layout(scene, options)
+    units, layout = _units_of(scene, options), _layout(scene, options)
     with SpectraWriter(
         Path(path),
         layout,
@@ -340,14 +233,8 @@ def write_scene(
         resume=options.resume,
         strict=options.strict,
     ) as writer:
-
-        def keep(unit: Unit, data: tuple[dict[str, bytes], ...]) -> None:
-            for i, own in zip(unit.places, data, strict=True):
-                writer.write((i, unit.row, unit.column), own)
-
-        pack = partial(_packed, layout.names, chunk)
         try:
-            summary = _run(scene, options, units, keep, pack, writer.found)
+            summary = _run(scene, options, units, writer)
         except KeyboardInterrupt:
             kept = int(writer.done.sum())
             if not kept:
@@ -358,13 +245,10 @@ def write_scene(
                 f"interrupted; {kept} of {writer.chunk_grid.size} chunks are kept in"
                 f" {writer.part}; `resume` goes on"
             ) from None
-        judged = validity(scene) if options.sample_validity else None
-        assert writer.conditions is not None
         summary = replace(
             summary,
             machine_differences=writer.machine_differences,
-            validity=judged,
-            **writer.conditions.bounds(tolerance_of(scene.method)),
+            validity=validity(scene) if options.sample_validity else None,
         )
         writer.finish(summary.row())
     return summary
@@ -394,18 +278,6 @@ def _layout(scene: Scene, options: SweepOptions) -> "FileLayout":
     return FileLayout(scene.frame(), chunk, names, identity, attributes)
 
 
-def _packed(
-    names: Sequence[str], chunk: tuple[int, int], block: CellValues
-) -> dict[str, bytes]:
-    """Return the bytes of the variables of a block as the file stores them, and its
-    packed conditions; worker processes call this.
-    """
-    from .file.layout import CONDITIONS, pack
-
-    conditions = Conditions.of(block["condition"]).packed()
-    return {name: pack(block[name], chunk) for name in names} | {CONDITIONS: conditions}
-
-
 def _units_of(scene: Scene, options: SweepOptions) -> list[Unit]:
     """Return the units of work of a whole scene. Raises UsageError for a sweep that
     would take years, and for one of too many units.
@@ -429,60 +301,56 @@ def _run(
     scene: Scene,
     options: SweepOptions,
     units: Sequence[Unit],
-    keep: Callable[[Unit, Any], None],
-    convert: Callable[[CellValues], Any] | None = None,
-    found: Callable[[Unit], np.ndarray | None] = lambda unit: None,
+    store: "_Arrays | SpectraWriter",
 ) -> Summary:
-    """Compute the units of a shard, and call `keep` with each unit and its converted
-    data, in order. found: returns the counts of outcomes of a unit that a resumed file
-    already has, None for a unit to compute.
+    """Compute the units of a shard that `store` has not yet, and let it keep them, in
+    their order.
     """
     began = time.perf_counter()
-    todo, resumed = _todo(units, options.shard, found)
+    todo, resumed = _todo(units, options.shard, store.found)
     workers = max(1, min(options.processes(scene), len(todo)))
-    chunk, quantities = options.chunk(scene), options.quantities_of(scene)
     check = default_check(scene) if options.check is None else options.check
-    verification = Verification(scene, check, chunk, todo)
-    job = Job(scene, verification.wanted, convert, quantities)
+    verification = Verification(scene, check, options.chunk(scene), todo, len(units))
+    job = Job(scene, store.convert, options.quantities_of(scene))
 
-    total = Report(
-        Work(),
-        resumed.copy(),
-        np.zeros(len(Difference), dtype=np.int64),
-        Conditions.of(np.zeros(0)),
-    )
+    work, outcomes = Work(), resumed.copy()
+    differences = np.zeros(len(Difference), dtype=np.int64)
     with _crew(job, options, workers) as (run, at_once):
-        reports = unit_reports(job, todo, run, at_once)
-        for done, (unit, report) in enumerate(reports, 1 + len(units) - len(todo)):
+        reports = chain.from_iterable(run(job.batches(verification.units, at_once)))
+        for done, unit in enumerate(verification.units, 1 + len(units) - len(todo)):
+            report = next(reports)
             with deferred():
-                keep(unit, report.data)
-            verification.seen |= report.seen or {}
-            total += report
+                store.keep(unit, report.data)
+            verification.seen |= zip(unit.wanted, report.seen, strict=True)
+            work += report.work
+            outcomes += report.outcomes
+            differences += report.differences
             if options.progress:
                 options.progress(done, len(units))
         verification.ask(run)
     check_for_a_stop()
     # cells of other shards
-    total.outcomes[Outcome.NOT_COMPUTED] = scene.cells - total.outcomes.sum()
+    outcomes[Outcome.NOT_COMPUTED] = scene.cells - outcomes.sum()
 
+    assert store.conditions is not None
     return Summary(
         structures=len(scene.structures),
         cells=scene.cells,
         run_time=time.perf_counter() - began,
         workers=workers,
-        outcomes=_by_flag(total.outcomes, Outcome),
-        work=total.work,
-        shared_cells=total.shared,
+        outcomes=_by_flag(outcomes, Outcome),
+        work=work,
+        shared_cells=sum(unit.shared for unit in todo),
         checked_by=CHECKED_BY,
         model=scene.method.model,
         records=scene.shape[0] if scene.of_records else 0,
         weighed=scene.weighed,
         differences=(
-            _by_flag(total.differences, Difference) if "linear" in quantities else {}
+            _by_flag(differences, Difference) if "linear" in job.quantities else {}
         ),
         resumed_cells=int(resumed.sum()),
         **verification.compared(),
-        **total.conditions.bounds(tolerance_of(scene.method)),
+        **store.conditions.bounds(tolerance_of(scene.method)),
     )
 
 
@@ -508,10 +376,22 @@ def _todo(
     return [unit for unit, counts in known if counts is None], resumed
 
 
-def _crew(job: Job, options: SweepOptions, workers: int) -> Crew:
-    """Return the processes that compute a job: those of this machine, or a cluster."""
-    if options.scheduler is None:
-        return local_crew(job, workers)
-    from .work.cluster import cluster
+@contextmanager
+def _crew(
+    job: Job, options: SweepOptions, workers: int
+) -> Iterator[tuple[Runner, int]]:
+    """Context of (a function from items to job(item) of each, in their order; the
+    number of items computed at a time): by this process alone, others of this machine,
+    or a cluster. Raises OutputError when a worker dies.
+    """
+    if options.scheduler is not None:
+        from .work.cluster import cluster
 
-    return cluster(job, options.scheduler, options.tell)
+        with cluster(job, options.scheduler, options.tell) as crew:
+            yield crew
+    elif workers == 1:
+        yield partial(map, job), 1
+    else:
+        advice = "fewer `workers` or a smaller `chunk_cells` need less"
+        with processes(workers, job, advice) as run:
+            yield run, workers

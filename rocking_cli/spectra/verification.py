@@ -12,7 +12,6 @@ import math
 import random
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import chain, islice
@@ -26,9 +25,7 @@ from ..dynamics.outcome import Difference, Outcome, difference, falls
 from ..dynamics.response import response
 from ..structures.friction import friction_that_slides
 from .error_bound import tolerance_of
-from .scene import PulseScene, Scene, Unit
-
-CellPlace = tuple[int, int, int]  # (structure, row, column) of a cell
+from .scene import CellPlace, PulseScene, Scene, Unit
 
 _SEED = 2
 _REFERENCE = 1e-12  # of theta/alpha: what the reference itself may be off
@@ -68,20 +65,14 @@ def drawn_cells(scene: Scene, count: int, seed: int = _SEED) -> list[CellPlace]:
     return list(dict.fromkeys(places))
 
 
-class Seen(NamedTuple):
-    """What a sweep found at a cell."""
-
-    outcome: int  # code of `Outcome`
-    theta_ratio: float  # largest |theta|/alpha [-]
-    condition: float  # of theta_ratio [-]
-
-
 class Answer(NamedTuple):
-    """The reference answer for a cell."""
+    """What a sweep, or the reference, found at a cell."""
 
-    outcome: Outcome  # by the reference
-    theta_ratio: float  # by the reference [-]
-    judged: Outcome | None  # outcome by the nonlinear equation, None if not compared
+    outcome: Outcome  # what became of the body
+    theta_ratio: float  # largest |theta|/alpha [-]
+    condition: float = math.nan  # of theta_ratio [-], by the sweep
+    # outcome by the nonlinear equation, None if not compared
+    judged: Outcome | None = None
 
 
 def reference(scene: Scene, place: CellPlace) -> Answer:
@@ -91,54 +82,53 @@ def reference(scene: Scene, place: CellPlace) -> Answer:
     cell = scene.cell(*place)
     numbers = cell.amplitude.item(), cell.omega.item()
     outcome, theta = scene.method.reference_of(cell.structure)(cell.motion, *numbers)
-    return Answer(
-        outcome, theta, None if outcome == Outcome.FAILED else scene.judge_of(cell)
-    )
+    judged = None if outcome == Outcome.FAILED else scene.judge_of(cell)
+    return Answer(outcome, theta, judged=judged)
 
 
 class Verification:
-    """The cells of some units of work that the reference computes again. chunk: (rows,
-    columns) of a unit.
+    """The cells of some of `every` units of work that the reference computes again.
+    chunk: (rows, columns) of a unit.
     """
 
     def __init__(
-        self, scene: Scene, check: int, chunk: tuple[int, int], units: Sequence[Unit]
+        self,
+        scene: Scene,
+        check: int,
+        chunk: tuple[int, int],
+        units: Sequence[Unit],
+        every: int,
     ) -> None:
-        self.scene = scene
-        self.chunk = chunk
-        # what the sweep found at `wanted`
-        self.seen: dict[CellPlace, Seen] = {}
-        # the places that are checked: True if one was chosen for its sensitivity
-        self.sensitive: dict[CellPlace, bool] = {}
-        self.answers: dict[CellPlace, Answer] = {}  # those that the reference found
+        self.scene, self.chunk = scene, chunk
+        # what the sweep found at the wanted cells of the units
+        self.seen: dict[CellPlace, Answer] = {}
+        self.sensitive: list[CellPlace] = []  # checked for their sensitivity
+        self.answers: dict[CellPlace, Answer] = {}  # those of the reference
         self.seconds = 0.0  # time that the checks took [s]
-        with self._timed():
-            mine = {unit.first for unit in units}
-            _, rows, columns = scene.shape
-            every = (
-                len(scene.sharing()) * -(-rows // chunk[0]) * -(-columns // chunk[1])
-            )
-            self.check = math.ceil(check * len(units) / every)
-            count = max(_LEAST, _DRAWS * self.check) * every // max(1, len(units))
-            count = min(count, max(_MOST, _DRAWS * self.check))
-            # drawn cells of these units, and the cell next to each
-            self._pairs: list[tuple[CellPlace, CellPlace]] = []
-            for place in drawn_cells(scene, count if self.check else 0):
-                if self._unit_of(place) in mine:
-                    beside = self._beside(place)
-                    there = self._unit_of(beside) in mine
-                    self._pairs.append((place, beside if there else place))
-            # the places of each unit whose results are needed, by its first cell
-            self.wanted: dict[CellPlace, list[CellPlace]] = {}
-            for place in sorted({*chain.from_iterable(self._pairs)}):
-                self.wanted.setdefault(self._unit_of(place), []).append(place)
+        self.check = math.ceil(check * len(units) / every)
+        least = _DRAWS * self.check
+        count = max(_LEAST, least) * every // max(1, len(units)) if check else 0
+        mine = {unit.first for unit in units}
+        # drawn cells of these units, each with the next cell
+        self._beside = {
+            place: beside if self._unit_of(beside) in mine else place
+            for place in drawn_cells(scene, min(count, max(_MOST, least)))
+            if self._unit_of(place) in mine
+            for beside in [self._next_to(place)]
+        }
+        wanted: dict[CellPlace, list[CellPlace]] = {}
+        for place in sorted({*self._beside, *self._beside.values()}):
+            wanted.setdefault(self._unit_of(place), []).append(place)
+        self.units = [
+            replace(unit, wanted=tuple(wanted.get(unit.first, ()))) for unit in units
+        ]
 
     def _unit_of(self, place: CellPlace) -> CellPlace:
         """Return the first cell of the unit that holds a place."""
         i, row, column = place
         return i, row - row % self.chunk[0], column - column % self.chunk[1]
 
-    def _beside(self, place: CellPlace) -> CellPlace:
+    def _next_to(self, place: CellPlace) -> CellPlace:
         """Return the next cell along the last dimension, or along the second of a grid
         of one column.
         """
@@ -148,33 +138,24 @@ class Verification:
             return i, row, column + 1 if column + 1 < columns else column - 1
         return i, row + 1 if row + 1 < rows else max(row - 1, 0), column
 
-    @contextmanager
-    def _timed(self) -> Iterator[None]:
-        """Context whose time counts as that of the checks."""
-        began = time.perf_counter()
-        yield
-        self.seconds += time.perf_counter() - began
-
     def ask(self, run: Callable[[Iterable[CellPlace]], Iterator[Answer]]) -> None:
         """Choose the cells to check from what the sweep has found, and let `run` answer
         them by the reference.
         """
-        with self._timed():
-            sensitive = self._most_sensitive()
-            decided = islice(self._decided(), self.check // 2)
-            lifted = (place for place, _ in self._pairs if self._lifts(place))
-            places = dict.fromkeys(chain(sensitive, decided, lifted))
-            self.sensitive = {
-                place: place in sensitive for place in islice(places, self.check)
-            }
-            self.answers = dict(zip(self.sensitive, run(self.sensitive), strict=True))
+        began = time.perf_counter()
+        self.sensitive = self._most_sensitive()
+        decided = islice(self._decided(), self.check // 2)
+        chosen = chain(self.sensitive, decided, filter(self._lifts, self._beside))
+        places = list(islice(dict.fromkeys(chosen), self.check))
+        self.answers = dict(zip(places, run(places), strict=True))
+        self.seconds = time.perf_counter() - began
 
     def _most_sensitive(self) -> list[CellPlace]:
         """Return a quarter of the cells to check, at least one: those whose rotation
         differs most from that of the next cell.
         """
         changes = {}
-        for place, beside in self._pairs:
+        for place, beside in self._beside.items():
             one, other = self.seen[place], self.seen[beside]
             if one.outcome == other.outcome == Outcome.ROCKED and place != beside:
                 changes[place] = abs(one.theta_ratio - other.theta_ratio)
@@ -186,10 +167,10 @@ class Verification:
         stands, if only one does, and the other one.
         """
         found = 0
-        for pair in self._pairs:
+        for pair in self._beside.items():
             one, other = (self.seen[place].outcome for place in pair)
             if one != other and all(map(self._lifts, pair)):
-                yield pair[(found + int(falls(one))) % 2]
+                yield pair[(found + one.falls) % 2]
                 found += 1
 
     def _lifts(self, place: CellPlace) -> bool:
@@ -201,35 +182,32 @@ class Verification:
 
     def compared(self) -> Mapping[str, Any]:
         """Return the result of the comparison, by the fields of `Summary`."""
-        # Answers that the reference has, those with the outcome of the sweep, and by
-        # how much theta/alpha of these differs.
         known = {
             place: answer
             for place, answer in self.answers.items()
             if answer.outcome != Outcome.FAILED
         }
-        same = {
-            place: abs(answer.theta_ratio - self.seen[place].theta_ratio)
-            for place, answer in known.items()
-            if answer.outcome == self.seen[place].outcome
-        }
-        apart = {place: far for place, far in same.items() if np.isfinite(far)}
-        judged = [(a.outcome, a.judged) for a in known.values() if a.judged is not None]
+        pairs = [(answer, self.seen[place]) for place, answer in known.items()]
+        same = [(one, seen) for one, seen in pairs if one.outcome == seen.outcome]
+        # By how much theta/alpha differs, and what the sweep says that it may.
         tolerance = tolerance_of(self.scene.method)
+        apart = [
+            (far, max(_REFERENCE, tolerance * seen.condition))
+            for one, seen in same
+            if np.isfinite(far := abs(one.theta_ratio - seen.theta_ratio))
+        ]
+        judged = [(a.outcome, a.judged) for a in known.values() if a.judged is not None]
         return {
-            "largest_difference": max(apart.values(), default=0.0),
-            "misjudged": len(known) - len(same),
-            "checked_cells": len(known),
-            "sensitive_cells": sum(self.sensitive[place] for place in known),
+            "largest_difference": max((far for far, _ in apart), default=0.0),
+            "misjudged": len(pairs) - len(same),
+            "checked_cells": len(pairs),
+            "sensitive_cells": sum(place in known for place in self.sensitive),
             "compared": len(judged),
             "differing": sum(
                 one.overturned != other.overturned for one, other in judged
             ),
             # A condition of NaN bounds nothing.
-            "beyond_tolerance": sum(
-                not far <= max(_REFERENCE, tolerance * self.seen[place].condition)
-                for place, far in apart.items()
-            ),
+            "beyond_tolerance": sum(not far <= bound for far, bound in apart),
             "check_time": self.seconds,
         }
 

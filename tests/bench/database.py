@@ -16,7 +16,8 @@ import scenes
 from rocking_cli import Axis, Method
 from rocking_cli.spectra.record_envelope import Tracing, tracing_rows
 from rocking_cli.spectra.record_scene import angles_scene
-from rocking_cli.spectra.sweep import SweepOptions, write_scene
+from rocking_cli.spectra.sweep import write_scene
+from rocking_cli.spectra.sweep_options import SweepOptions
 
 SAMPLES, STEP, WORKERS = 2000, 0.01, 2
 DATABASE = 21_000  # horizontal components

@@ -18,7 +18,7 @@ from rocking_cli.fragility.exposure import MotionSet
 from rocking_cli.fragility.measures import site_pulses
 from rocking_cli.fragility.study import studies
 from rocking_cli.motions.intensity_measures import measure_of
-from rocking_cli.spectra.sweep import SweepOptions
+from rocking_cli.spectra.sweep_options import SweepOptions
 
 DURATIONS = (0.3, 0.5, 0.8, 1.2)  # s
 P, ALPHA, SD, G = 2.66, 0.245, 0.01, 9.81

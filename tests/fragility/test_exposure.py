@@ -37,7 +37,7 @@ from rocking_cli.fragility.measures import members_of, shaken_upwards
 from rocking_cli.fragility.study import Study
 from rocking_cli.motions.biaxial import Upwards, with_vertical
 from rocking_cli.motions.intensity_measures import MEASURES
-from rocking_cli.spectra.sweep import SweepOptions
+from rocking_cli.spectra.sweep_options import SweepOptions
 
 BLOCK = built("kind: block\nwidth: 0.5\nheight: 2\nrestitution: 0.9")
 PULSES = [pulsed(sine(), 2.0, 2 * np.pi * f) for f in (0.8, 1.2, 1.9)]

@@ -22,7 +22,8 @@ from rocking_cli.motions import pulse, sine
 from rocking_cli.reports.summary import summary_lines
 from rocking_cli.spectra.error_bound import Conditions
 from rocking_cli.spectra.record_scene import scene_of_words
-from rocking_cli.spectra.sweep import SweepOptions, spectrum_of
+from rocking_cli.spectra.sweep import spectrum_of
+from rocking_cli.spectra.sweep_options import SweepOptions
 from rocking_cli.spectra.work import jobs
 
 BODIES = {

@@ -18,7 +18,8 @@ from support.synthetic_records import recorded
 
 from rocking_cli import Axis, Method, Outcome, Spectrum, response
 from rocking_cli.spectra.record_scene import angles_scene
-from rocking_cli.spectra.sweep import SweepOptions, spectrum_of
+from rocking_cli.spectra.sweep import spectrum_of
+from rocking_cli.spectra.sweep_options import SweepOptions
 
 SHORT = recorded(wave(12, 30.0), 0.1)
 

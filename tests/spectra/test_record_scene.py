@@ -38,7 +38,8 @@ from rocking_cli.spectra.record_scene import (
     structures_scene,
 )
 from rocking_cli.spectra.scene import cut_into_units
-from rocking_cli.spectra.sweep import SweepOptions, spectrum_of, write_scene
+from rocking_cli.spectra.sweep import spectrum_of, write_scene
+from rocking_cli.spectra.sweep_options import SweepOptions
 
 NONLINEAR = Method("nonlinear", 1e-8)
 ALPHAS, PERIODS = (

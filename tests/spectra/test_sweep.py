@@ -133,7 +133,7 @@ def test_an_interruption_names_the_part_that_it_leaves(tmp_path, monkeypatch):
             progress=stopped,
         )
     assert (tmp_path / "s.h5.part").exists()
-    monkeypatch.setattr(sweep, "unit_reports", stopped)
+    monkeypatch.setattr(sweep.Job, "__call__", stopped)
     with pytest.raises(
         Interrupted,
         match=r"^interrupted before the first chunk was done; nothing is kept$",

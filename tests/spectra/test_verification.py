@@ -3,7 +3,9 @@ sweep says of its own validity.
 """
 
 import math
+from contextlib import nullcontext
 from functools import partial
+from itertools import chain
 
 import numpy as np
 import pytest
@@ -29,18 +31,19 @@ from rocking_cli.dynamics.march.proofs import FREE_MOTION
 from rocking_cli.dynamics.outcome import Difference, Outcome, falls
 from rocking_cli.envelopes.intervals import trace_envelope
 from rocking_cli.motions import pulse, sine
+from rocking_cli.processes import processes
 from rocking_cli.reports.summary import summary_lines
 from rocking_cli.spectra.dimensions import QUANTITIES
 from rocking_cli.spectra.record_scene import structures_scene
 from rocking_cli.spectra.scene import PulseScene, cut_into_units
 from rocking_cli.spectra.verification import (
-    Seen,
+    Answer,
     Verification,
     default_check,
     drawn_cells,
     validity,
 )
-from rocking_cli.spectra.work.jobs import Job, local_crew, unit_reports
+from rocking_cli.spectra.work.jobs import Job
 
 GRID = parse_grid("A=0.5:4:60,Omega=0.5:6:50")
 OSCILLATORS = (dimensionless_oscillator(eta=0.5), dimensionless_oscillator(eta=0.9))
@@ -49,15 +52,15 @@ OSCILLATORS = (dimensionless_oscillator(eta=0.5), dimensionless_oscillator(eta=0
 def checked(scene, check, chunk=None, units=None, workers=1):
     """The verification of a sweep of these units, which ends the sweep."""
     chunk = chunk or scene.shape[1:]
-    units = list(cut_into_units(scene, chunk)) if units is None else units
-    verification = Verification(scene, check, chunk, units)
-    job = Job(scene, verification.wanted)
-    with local_crew(job, workers) as crew:
-        found = dict(unit_reports(job, units, *crew))
-        for report in found.values():
-            verification.seen |= report.seen
-        verification.ask(crew[0])
-    assert len(found) == len(units)
+    every = list(cut_into_units(scene, chunk))
+    verification = Verification(scene, check, chunk, units or every, len(every))
+    job = Job(scene)
+    here = nullcontext(partial(map, job))
+    with processes(workers, job, "") if workers > 1 else here as run:
+        reports = chain.from_iterable(run(job.batches(verification.units, workers)))
+        for unit, report in zip(verification.units, reports, strict=True):
+            verification.seen |= zip(unit.wanted, report.seen, strict=True)
+        verification.ask(run)
     return verification
 
 
@@ -74,9 +77,10 @@ def conditions(scene, cells):
 
 def test_a_quarter_of_the_checked_cells_are_the_most_sensitive():
     scene = PulseScene(OSCILLATORS, GRID, sine(2))
-    cells = checked(scene, 16).sensitive
-    assert list(cells.values()) == [True] * 4 + [False] * 12
-    chosen = conditions(scene, np.array(list(cells)[:4]))
+    verification = checked(scene, 16)
+    assert list(verification.answers)[:4] == verification.sensitive
+    assert len(verification.answers) == 16
+    chosen = conditions(scene, np.array(verification.sensitive))
     drawn = conditions(scene, np.array(drawn_cells(scene, 300, seed=3)))
     assert np.sort(chosen)[1] > np.nanquantile(drawn, 0.8)
 
@@ -84,7 +88,7 @@ def test_a_quarter_of_the_checked_cells_are_the_most_sensitive():
 def test_half_of_the_checked_cells_have_another_outcome_than_the_next():
     scene = PulseScene(OSCILLATORS[1:], GRID, sine())
     outcome = spectrum(OSCILLATORS[1:], sine(), GRID, check=0).outcome[0]
-    cells = checked(scene, 16).sensitive
+    cells = checked(scene, 16).answers
     around = [outcome[row, max(0, column - 1) : column + 2] for _, row, column in cells]
     assert sum(len(set(some.tolist())) > 1 for some in around) >= 8
     decided = {outcome[row, column] for _, row, column in cells}
@@ -136,7 +140,7 @@ def test_a_wrong_proof_is_found_by_the_cells_that_it_decides(
 def test_the_same_cells_are_checked_however_a_sweep_is_cut(chunk, workers):
     scene = PulseScene(OSCILLATORS, GRID, sine())
     verification = checked(scene, 6, chunk, workers=workers)
-    assert verification.sensitive == checked(scene, 6).sensitive
+    assert list(verification.answers) == list(checked(scene, 6).answers)
     whole = spectrum(OSCILLATORS, sine(), GRID, check=6).summary
     found = verification.compared()
     assert found["checked_cells"] == whole.checked_cells == 6
@@ -166,7 +170,7 @@ def test_only_cells_of_the_units_are_checked_and_an_answer_that_differs_shows():
         1e-3, rel=1e-6
     )
     assert verification.compared()["beyond_tolerance"] == 1
-    fallen = Seen(Outcome.OVERTURNED_NO_IMPACT, math.nan, math.nan)
+    fallen = Answer(Outcome.OVERTURNED_NO_IMPACT, math.nan)
     verification.seen[place] = fallen
     assert verification.compared()["misjudged"] == 1
 
@@ -211,19 +215,19 @@ def test_a_quarter_of_the_cells_checked_under_a_record_are_the_most_sensitive():
     scene = structures_scene(
         [block], [recorded(wave(24, 3.0), 0.1)], Axis("A", np.linspace(0.5, 2.5, 60))
     )
-    cells = checked(scene, 16).sensitive
-    assert list(cells.values()) == [True] * 4 + [False] * 12
+    sensitive = checked(scene, 16).sensitive
+    assert len(sensitive) == 4
     motion, omega = scene.recordings[0].motion, 1.0 / block.p
     found = linear_response(motion, scene.columns.values, omega, block.eta)
     rocked = found.outcome == Outcome.ROCKED
     change = np.where(rocked[1:] & rocked[:-1], np.abs(np.diff(found.theta_ratio)), 0.0)
-    chosen = [column for _, _, column in list(cells)[:4]]
-    assert set(chosen) <= set(np.argsort(-change)[:8].tolist())
+    chosen = {column for _, _, column in sensitive}
+    assert chosen <= set(np.argsort(-change)[:8].tolist())
 
 
 def test_a_grid_below_uplift_has_nothing_to_check():
     scene = PulseScene(OSCILLATORS, parse_grid("A=0.1:0.9:5,Omega=1:2:3"), sine())
-    assert checked(scene, 4).sensitive == {}
+    assert checked(scene, 4).answers == {}
 
 
 def test_condition_under_a_rectangular_pulse_is_its_derivative():

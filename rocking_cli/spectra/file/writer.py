@@ -9,6 +9,7 @@ most the last entry, and a flipped bit only its chunk.
 import json
 import os
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, BinaryIO, cast
@@ -39,6 +40,7 @@ from .layout import (
     Packed,
     checksum,
     joined,
+    packed_block,
     split,
 )
 from .partial_file import check_output, is_there, open_locked, refuse_existing
@@ -70,6 +72,8 @@ class SpectraWriter:
         self.output = followed(path)  # the finished file
         self.overwrite = overwrite  # whether it may replace another one
         self.names = layout.names  # names of the variables
+        # turns a block of cells into a packed chunk
+        self.convert = partial(packed_block, layout.names, layout.chunk)
         self.chunk_grid = layout.chunk_grid  # the grid of the chunks
         self.whole = layout.attributes.get("shard") == "1/1"
         # counts of outcomes in each chunk of an earlier run
@@ -182,6 +186,13 @@ class SpectraWriter:
         if not chunks <= self.resumed.keys():
             return None
         return np.sum([self.resumed[i] for i in chunks], axis=0)
+
+    def keep(self, unit: Unit, data: Sequence[Packed]) -> None:
+        """Write the packed chunks of a unit, one for each of its places. Raises
+        OutputError.
+        """
+        for i, packed in zip(unit.places, data, strict=True):
+            self.write((i, unit.row, unit.column), packed)
 
     def write(self, offset: tuple[int, ...], packed: Packed) -> None:
         """Write the packed chunk whose first cell is (place, row, column). Raises

@@ -29,7 +29,7 @@ _PATIENCE = 4.0  # s between messages about a missing worker
 def cluster(
     job: Job, address: str, tell: Callable[[str], None] | None = None
 ) -> Iterator[tuple[Runner, int]]:
-    """Context of (a function from items to job.answer(item) of each, in their order,
+    """Context of (a function from items to job(item) of each, in their order,
     the number of threads of the cluster at `address`). Items of a lost worker run
     again. Without a worker the function reports this and waits. Raises as
     `check_scheduler`, and OutputError without a scheduler at the address, or if an item
@@ -59,12 +59,8 @@ def cluster(
     ) -> Any:
         units = item if isinstance(item, list) else [Unit(item[:1], *item[1:])]
         return client.submit(
-            Job.answer,
-            replace(
-                job,
-                scene=job.scene.only(units),
-                wanted={unit.first: job.wanted.get(unit.first, ()) for unit in units},
-            ),
+            Job.__call__,
+            replace(job, scene=job.scene.only(units)),
             item,
             pure=False,
             retries=3,

@@ -6,12 +6,11 @@ result does not depend on the number of workers or the size of a unit, to the la
 """
 
 import math
-from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
-from contextlib import AbstractContextManager, contextmanager
+from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass
-from functools import cached_property, partial
+from functools import cached_property
 from itertools import chain
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -26,57 +25,40 @@ from ...dynamics.response import (
     response_with_speed,
 )
 from ...dynamics.system import System
-from ...processes import Runner, processes
 from ...structures.friction import friction_that_slides
 from ...structures.parameters import RockingParameters
-from ..error_bound import Conditions
-from ..scene import Scene, SceneCells, Unit
-from ..verification import Answer, CellPlace, Seen, reference
+from ..scene import CellPlace, Scene, SceneCells, Unit
+from ..verification import Answer, reference
 
 TOGETHER = 1 << 19  # cells that a worker computes in one batch
 
 Item = list[Unit] | CellPlace
 """A batch of units, or a cell for the reference."""
 
-
 CellValues = dict[str, np.ndarray]
 """The variables of cells by name."""
 
 
-@dataclass(frozen=True)
-class Report:
-    """The result of a unit, or of several added up. The work of units that ran together
-    is counted with the first of them.
+class Report(NamedTuple):
+    """The result of a unit. The work of units that ran together is counted with the
+    first of them.
     """
 
     work: Work  # counters over all places
     outcomes: np.ndarray  # number of cells of each outcome, over all places
     differences: np.ndarray  # number of cells of each `Difference`, over all places
-    conditions: Conditions  # of the cells that stand, over all places
-    shared: int = 0  # cells that took the result of another structure
-    data: tuple[Any, ...] = ()  # of one unit: its data at each place, converted
-    # of one unit: what was found at its cells that the verification needs
-    seen: Mapping[CellPlace, Seen] | None = None
-
-    def __add__(self, other: "Report") -> "Report":
-        return Report(
-            self.work + other.work,
-            self.outcomes + other.outcomes,
-            self.differences + other.differences,
-            self.conditions + other.conditions,
-            self.shared + other.shared,
-        )
+    data: tuple[Any, ...]  # its data at each place, converted
+    seen: tuple[Answer, ...]  # what was found at its wanted cells
 
 
 @dataclass(frozen=True)
 class Job:
     """The data that a worker needs; a process of this machine receives it once, not
-    with each unit.
+    with each unit. Called with a batch of units it returns their reports, called with
+    the place of a cell the answer of the reference.
     """
 
     scene: Scene  # the whole sweep
-    # places whose results the verification needs, by the first cell of their unit
-    wanted: Mapping[CellPlace, Sequence[CellPlace]]
     # turns a block into the data of a report; None: the block itself
     convert: Callable[[CellValues], Any] | None = None
     quantities: tuple[str, ...] = ()  # names of the requested variables of `QUANTITIES`
@@ -103,148 +85,112 @@ class Job:
             few(scene.method.system_of(s), scene.segments) for s in self.runs.values()
         )
 
-    def together(self, unit: Unit) -> int:
-        """Return the number of units such as this one in one batch, which fills the
-        pool of the engine; all units of a batch have one system.
+    def batches(self, units: Sequence[Unit], at_once: int) -> list[list[Unit]]:
+        """Return the units in batches, so many of which are computed at a time; a batch
+        of one system fills the pool of the engine.
         """
+        size = max(1, -(-len(units) // at_once))
         if len(self.runs) > 1 or (self.scene.of_records and not self.shares_records):
-            return 1
-        return max(1, TOGETHER // math.prod(unit.shape))
+            size = 1
+        elif units:
+            size = min(size, max(1, TOGETHER // math.prod(units[0].shape)))
+        return [list(units[i : i + size]) for i in range(0, len(units), size)]
 
     @property
     def shares_records(self) -> bool:
         """True if cells under several records may share a run."""
         return self.scene.of_records and self.quantities == ("velocity_ratio",)
 
-    def answer(self, item: Item) -> list[Report] | Answer:
-        """Return the reports of some units, or the reference answer for a cell."""
-        return self.run(item) if isinstance(item, list) else reference(self.scene, item)
-
-    def run(self, units: Sequence[Unit]) -> list[Report]:
-        """Compute some units. Cells of one system under one motion, or under records
-        that chain, share a run of the march.
-        """
-        parts = [list(self.scene.cells_of(unit)) for unit in units]
+    def __call__(self, item: Item) -> list[Report] | Answer:
+        # Cells of one system under one motion, or under records that chain, share a
+        # run of the march.
+        if not isinstance(item, list):
+            return reference(self.scene, item)
+        parts = [list(self.scene.cells_of(unit)) for unit in item]
         runs: dict[Hashable, list[SceneCells]] = {}
         for cells in chain.from_iterable(parts):
-            runs.setdefault(self._run_of(cells), []).append(cells)
-        work, found = Work(), dict[int, list[CellValues]]()
-        for some in runs.values():
-            values, own = self._computed(some)
-            found |= dict(zip(map(id, some), values, strict=True))
+            if friction_that_slides(cells.structure) is None:
+                motion = None if self._chains(cells) else id(cells.motion)
+                key = motion, self._key(cells.structure)
+                runs.setdefault(key, []).append(cells)
+        work, found = Work(), dict[int, CellValues]()
+        for run in runs.values():
+            blocks, own = self._computed(run)
+            found |= zip(map(id, run), blocks, strict=True)
             work += own
         reports = []
-        for unit, some in zip(units, parts, strict=True):
-            blocks = zip(*(found[id(cells)] for cells in some), strict=True)
-            # The first unit reports the work of all.
-            reports.append(self._report(unit, list(map(_joined, blocks)), work))
-            work = Work()
+        for unit, some in zip(item, parts, strict=True):
+            at_places = (
+                [self._of(s, cells, found.get(id(cells))) for s in cells.sharers]
+                for cells in some
+            )
+            places = list(map(_joined, zip(*at_places, strict=True)))
+            reports.append(self._report(unit, places, work))
+            work = Work()  # the first unit reports that of all
         return reports
-
-    def _run_of(self, cells: SceneCells) -> Hashable:
-        """Return a key: cells of equal keys share a run."""
-        if friction_that_slides(cells.structure) is not None:
-            return id(cells)
-        motion = None if self._chains(cells) else id(cells.motion)
-        return motion, self._key(cells.structure)
 
     def _chains(self, cells: SceneCells) -> bool:
         """True if cells under other records share their run."""
         system = self.scene.system_of(cells.structure)
         return self.shares_records and can_share_records(system, cells.motion)
 
-    def _computed(
-        self, run: Sequence[SceneCells]
-    ) -> tuple[list[list[CellValues]], Work]:
-        """Return (for all cells of a run the variables of each structure that shares
-        them; the work).
-        """
-        first = run[0]
-        if friction_that_slides(first.structure) is not None:
-            from .sliding_cells import sliding_block
-
-            slides = [sliding_block(s, first, self.quantities) for s in first.sharers]
-            return [slides], Work()
-        chains = self._chains(first)
-        amplitude = np.concatenate([cells.amplitude for cells in run])
-        omega = np.concatenate([cells.omega for cells in run])
-        compute = self._under_records if chains else self._under_one_motion
-        whole, work = compute(run, amplitude, omega)
-        if "slide" in self.quantities:  # a body that rocks does not slide
-            whole["slide_max"] = np.full(omega.size, np.nan)
-        ends = np.cumsum([x.omega.size for x in run])[:-1]
-        blocks = zip(*(np.split(x, ends) for x in whole.values()), strict=True)
-        values = [dict(zip(whole, block, strict=True)) for block in blocks]
-        tested = not self.scene.method.exact  # for lost contact, by the run
-        return [
-            [x if tested else self._standing(s, cells, x) for s in cells.sharers]
-            for x, cells in zip(values, run, strict=True)
-        ], work
-
-    def _under_records(
-        self, run: Sequence[SceneCells], amplitude: np.ndarray, omega: np.ndarray
-    ) -> tuple[CellValues, Work]:
-        """Return (the variables of all cells, the work) of one system under several
-        records.
-        """
-        system, alpha = self._system(run, self.scene.system_of)
-        motions = {id(cells.motion): cells.motion for cells in run}
-        numbers = {key: i for i, key in enumerate(motions)}
-        which = np.repeat(
-            [numbers[id(x.motion)] for x in run], [x.omega.size for x in run]
+    def _computed(self, run: Sequence[SceneCells]) -> tuple[list[CellValues], Work]:
+        """Return (the variables of all cells of a run, the work)."""
+        shaking = (
+            np.concatenate([cells.amplitude for cells in run]),
+            np.concatenate([cells.omega for cells in run]),
         )
-        got, rate = response_under_records(
-            system, list(motions.values()), which, amplitude, omega
-        )
-        return {**_variables(got), "velocity_ratio": rate * alpha}, got.work
-
-    def _under_one_motion(
-        self, run: Sequence[SceneCells], amplitude: np.ndarray, omega: np.ndarray
-    ) -> tuple[CellValues, Work]:
-        """Return (the variables of all cells, the work) of one system under one
-        motion.
-        """
-        method, motion = self.scene.method, run[0].motion
-        system, alpha = self._system(run, self.scene.system_of)
-        extra: CellValues = {}
-        if "velocity_ratio" in self.quantities:
-            got, rate = response_with_speed(system, motion, amplitude, omega)
-            extra["velocity_ratio"] = rate * alpha
+        system, motion = self._system(run, self.scene.system_of), run[0].motion
+        rate = None
+        if self._chains(run[0]):
+            got, rate = _under_records(run, system, *shaking)
+        elif "velocity_ratio" in self.quantities:
+            got, rate = response_with_speed(system, motion, *shaking)
         elif self.one_by_one:
-            got = Response.joined(
-                [
-                    response(method.system_of(s), motion, a, w, how="floats")
-                    for s, _, a, w, _ in run
-                ]
-            )
+            alone = self.scene.method.system_of
+            parts = [
+                response(alone(s), motion, a, w, how="floats") for s, _, a, w, _ in run
+            ]
+            got = Response.joined(parts)
         else:
-            got = response(system, motion, amplitude, omega)
+            got = response(system, motion, *shaking)
+        whole: CellValues = got._asdict()
+        del whole["work"]
+        if rate is not None:
+            whole["velocity_ratio"] = rate * _of_each_cell(
+                run, lambda x: x.structure.alpha
+            )
         if "linear" in self.quantities:
-            system, _ = self._system(run, LINEAR.system_of)
-            linear = response(system, motion, amplitude, omega)
-            extra |= {
-                "theta_ratio_linear": linear.theta_ratio,
-                "outcome_linear": linear.outcome,
-                "difference": difference(got.outcome, linear.outcome),
-            }
-        return {**_variables(got), **extra}, got.work
+            linear = response(self._system(run, LINEAR.system_of), motion, *shaking)
+            whole["theta_ratio_linear"] = linear.theta_ratio
+            whole["outcome_linear"] = linear.outcome
+            whole["difference"] = difference(got.outcome, linear.outcome)
+        if "slide" in self.quantities:  # a body that rocks does not slide
+            whole["slide_max"] = np.full(got.outcome.size, np.nan)
+        return _split(whole, run), got.work
 
     @staticmethod
     def _system(
         run: Sequence[SceneCells], system_of: Callable[[RockingParameters], System]
-    ) -> tuple[System, np.ndarray]:
-        """Return (the system of all cells of a run, alpha of each [rad])."""
-        counts = [cells.omega.size for cells in run]
-        systems = [system_of(cells.structure) for cells in run]
-        alpha = np.repeat([cells.structure.alpha for cells in run], counts)
-        return System.of_each_cell(systems, counts), alpha
+    ) -> System:
+        """Return the system of all cells of a run."""
+        return System.of_each_cell(
+            [system_of(cells.structure) for cells in run],
+            [cells.omega.size for cells in run],
+        )
 
-    def _standing(
-        self, structure: RockingParameters, cells: SceneCells, block: CellValues
+    def _of(
+        self, structure: RockingParameters, cells: SceneCells, block: CellValues | None
     ) -> CellValues:
-        """Return the block of one structure among those that share rotations, with the
-        lost contact of this structure.
+        """Return the block of one structure among those that share the rotations of a
+        block, with the lost contact of this structure; block: None if it slides.
         """
+        if block is None:
+            from .sliding_cells import sliding_block
+
+            return sliding_block(structure, cells, self.quantities)
+        if not self.scene.method.exact:  # the run has tested contact
+            return block
         system, motion = self.scene.method.system_of(structure), cells.motion
         # Its own body is watched where Lemma 13 leaves open whether it keeps contact.
         doubtful = cells.amplitude > system.safe_amplitude(motion)
@@ -265,32 +211,54 @@ class Job:
         for cells in {id(x): x for x in places}.values():
             block = {name: x.reshape(unit.shape) for name, x in cells.items()}
             data[id(cells)] = self.convert(block) if self.convert else block
-        seen = {}
-        for place in self.wanted.get(unit.first, ()):
-            at = (place[1] - unit.row) * unit.shape[1] + place[2] - unit.column
-            names = "outcome", "theta_ratio", "condition"
-            seen[place] = Seen(*(places[0][name][at].item() for name in names))
+        at = [
+            (row - unit.row) * unit.shape[1] + column - unit.column
+            for _, row, column in unit.wanted
+        ]
+        seen = zip(
+            *(
+                places[0][name][at].tolist()
+                for name in ("outcome", "theta_ratio", "condition")
+            ),
+            strict=True,
+        )
+        outcomes = [np.bincount(x["outcome"], minlength=len(Outcome)) for x in places]
         differs = places[0].get("difference", np.zeros(0, np.uint8))
         return Report(
             work,
-            np.sum(
-                [np.bincount(x["outcome"], minlength=len(Outcome)) for x in places],
-                axis=0,
-            ),
+            np.sum(outcomes, axis=0),
             len(places) * np.bincount(differs, minlength=len(Difference)),
-            sum(
-                (Conditions.of(x["condition"]) for x in places[1:]),
-                Conditions.of(places[0]["condition"]),
-            ),
-            math.prod(unit.shape) * (len(places) - 1),
             tuple(data[id(x)] for x in places),
-            seen,
+            tuple(Answer(Outcome(code), *numbers) for code, *numbers in seen),
         )
 
 
-def _variables(of: Response) -> CellValues:
-    """Return the variables that every cell has."""
-    return {name: x for name, x in of._asdict().items() if name != "work"}
+def _under_records(
+    run: Sequence[SceneCells], system: System, amplitude: np.ndarray, omega: np.ndarray
+) -> tuple[Response, np.ndarray]:
+    """Return `response_under_records` of the cells of one system under several
+    records.
+    """
+    motions = {id(cells.motion): cells.motion for cells in run}
+    numbers = {key: i for i, key in enumerate(motions)}
+    which = _of_each_cell(run, lambda cells: numbers[id(cells.motion)])
+    return response_under_records(
+        system, list(motions.values()), which, amplitude, omega
+    )
+
+
+def _of_each_cell(
+    run: Sequence[SceneCells], get: Callable[[SceneCells], Any]
+) -> np.ndarray:
+    """Return a number for each cell of a run, the same for those of one structure."""
+    return np.repeat(list(map(get, run)), [cells.omega.size for cells in run])
+
+
+def _split(whole: CellValues, run: Sequence[SceneCells]) -> list[CellValues]:
+    """Return the variables of each part of a run, from those of all its cells."""
+    ends = np.cumsum([cells.omega.size for cells in run])
+    parts = zip(*(np.split(x, ends[:-1]) for x in whole.values()), strict=True)
+    return [dict(zip(whole, some, strict=True)) for some in parts]
 
 
 def _joined(blocks: Sequence[CellValues]) -> CellValues:
@@ -300,34 +268,3 @@ def _joined(blocks: Sequence[CellValues]) -> CellValues:
     if len(blocks) == 1:
         return blocks[0]
     return {name: np.concatenate([x[name] for x in blocks]) for name in blocks[0]}
-
-
-Crew = AbstractContextManager[tuple[Runner, int]]
-"""A context with (function from items to their answers in order, number of items
-computed at a time).
-"""
-
-
-@contextmanager
-def local_crew(job: Job, workers: int) -> Iterator[tuple[Runner, int]]:
-    """Context of a crew: this process alone, or `workers` other processes. Raises
-    OutputError when a worker dies.
-    """
-    if workers == 1:
-        yield partial(map, job.answer), 1
-        return
-    with processes(
-        workers, job.answer, "fewer `workers` or a smaller `chunk_cells` need less"
-    ) as run:
-        yield run, workers
-
-
-def unit_reports(
-    job: Job, units: Sequence[Unit], run: Runner, at_once: int
-) -> Iterator[tuple[Unit, Report]]:
-    """Yield the reports of the units, in their order, by a crew (see `Crew`)."""
-    together = job.together(units[0]) if units else 1
-    size = max(1, min(together, -(-len(units) // at_once)))
-    batches = [list(units[i : i + size]) for i in range(0, len(units), size)]
-    for batch, reports in zip(batches, run(batches), strict=True):
-        yield from zip(batch, reports, strict=True)

@@ -23,7 +23,8 @@ from rocking_cli.dynamics.outcome import falls
 from rocking_cli.envelopes.closed_form import peak_after_impact
 from rocking_cli.reports.figures.slices import SHARES, record_quantiles, slice_of
 from rocking_cli.spectra.record_scene import angles_scene
-from rocking_cli.spectra.sweep import SweepOptions, write_scene
+from rocking_cli.spectra.sweep import write_scene
+from rocking_cli.spectra.sweep_options import SweepOptions
 
 
 @pytest.fixture

@@ -37,7 +37,7 @@ from rocking_cli.spectra.file.reader import SpectraFile
 from rocking_cli.spectra.file.same_scene import first_difference
 from rocking_cli.spectra.file.writer import SpectraWriter
 from rocking_cli.spectra.scene import PulseScene
-from rocking_cli.spectra.sweep import SweepOptions
+from rocking_cli.spectra.sweep_options import SweepOptions
 from rocking_cli.spectra.work import machine
 
 GRID = parse_grid("A=0.5:12:40,Omega=0.5:12:30")
