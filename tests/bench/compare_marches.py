@@ -37,12 +37,14 @@ from rocking_cli.dynamics.outcome import Outcome, safe
 from rocking_cli.motions import Harmonic, Piece
 from rocking_cli.motions.biaxial import with_vertical
 
-ROWS, GRID, PARTS, ROUNDS = 12, 20, 6, 7
+GRID, PARTS, ROUNDS = 20, 6, 7
 NEAR = np.array([-1e-2, -3e-3, -1e-3, -1e-4, 1e-4, 1e-3, 3e-3, 1e-2])
 APART, LOOKED_AT = (
     1e-8,
     2,
 )  # rotations that differ by more are looked at, so many a scene
+# rows of Omega and eta of a scene; more of them make a scene of more cells
+ROWS = int(os.environ.get("COMPARED_ROWS", "12"))
 # scenes of tied bodies, and of stocky ones, have numbers from here on
 TIED, STOCKY = 10**9, 2 * 10**9
 EDGES = (
