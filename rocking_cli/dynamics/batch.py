@@ -32,13 +32,11 @@ def most_steps(segments: int) -> int:
 class FreeFall:
     """The first instant at which the ground falls away from the body of each cell."""
 
-    def __init__(self, segments: Segments, first: Uplift, occurs: Array) -> None:
-        # k, u: segment and phase [rad] of this instant, (cells,)
-        # occurs: True if there is such an instant, (cells,)
+    def __init__(self, segments: Segments, falls: Uplift, occurs: Array) -> None:
         self.segments = segments
-        self.segment = first.segment
-        self.phase = first.phase
-        self.occurs = occurs
+        # segment and phase [rad] of this instant, (cells,) each
+        self.segment, self.phase = falls.segment, falls.phase
+        self.occurs = occurs  # True if there is such an instant, (cells,)
 
     @classmethod
     def of(cls, segments: Segments, cells: Cells, shaken: int) -> Self | None:
@@ -50,9 +48,10 @@ class FreeFall:
             return None
         sway = weighed.sway(np.ones(cells.omega.shape[1]), cells.amplitude[0])
         zero = np.zeros(sway.size)
-        first = first_uplift(weighed.vertical, zero.astype(np.int64), zero, sway, zero)
-        occurs = first.segment < shaken
-        return cls(segments, first, occurs) if occurs.any() else None
+        # w = 1 + sway s_v falls below 0 where a body of uplift 1/sway would be lifted
+        falls = first_uplift(weighed.vertical, zero.astype(np.int64), zero, sway, zero)
+        occurs = falls.segment < shaken
+        return cls(segments, falls, occurs) if occurs.any() else None
 
     def time_left(self, lanes: Lanes) -> Array:
         """Return the time [tau] left until the ground falls away; 0 after this instant,
@@ -133,14 +132,16 @@ class Batch(NamedTuple):
         """|theta|/alpha of the lanes `at` at displacement y."""
         return self.equation.on(lanes.side[at], lanes.cell[at]).rotation(np.asarray(y))
 
-    def cannot_return(
-        self, lanes: Lanes, at: Array | slice, k: Array, y: Array, v: Array
-    ) -> Array:
-        """True where no later drive can bring the lanes `at` back, with y, v in
-        segments k (Lemma 6).
-        """
-        side = lanes.side[at]
-        inward = self.segments.strongest_inward(side, lanes.amplitude[at], k)
-        return self.equation.on(side, lanes.cell[at]).certainly_overturns(
-            y, v, inward, self.segments.weighed is None
-        )
+
+def inward_to_come(segments: Segments, lanes: Lanes) -> Array:
+    """The strongest inward drive on lanes from their segment on, over the least weight
+    from there on, (lanes,).
+    """
+    k = np.minimum(lanes.segment, len(segments) - 1)
+    return segments.strongest_inward(lanes.side, lanes.amplitude, k)
+
+
+def cannot_return(segments: Segments, equation: Equation, lanes: Lanes) -> Array:
+    """True for lanes of free bodies that no later drive can bring back (Lemma 6)."""
+    here, inward = equation.on(lanes.side, lanes.cell), inward_to_come(segments, lanes)
+    return here.certainly_overturns(lanes.y, lanes.v, inward, segments.weighed is None)

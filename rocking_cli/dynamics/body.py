@@ -41,7 +41,7 @@ class Edge(NamedTuple):
 
     alpha: Any  # critical angle [rad]
     kappa: Any  # m R^2/I [-]
-    unit: Any  # |theta| at y = 1 [rad]
+    theta_per_y: Any  # |theta| at y = 1 [rad]
     uplift: Any  # static uplift acceleration lambda of the equation [-]
     damping: Any = 0.0  # zeta [-]
 
@@ -70,9 +70,9 @@ def relief(edge: Any, y: Any, v: Any, b: Any) -> Any:
     where y, |y'| and |y''| are at most y, v and b [units of the edge]: |z| is at most
     alpha, or u - alpha. Floats or arrays.
     """
-    turned = edge.unit * y
+    turned = edge.theta_per_y * y
     lean = 0.5 * (turned + abs(2.0 * edge.alpha - turned))
-    return edge.kappa * edge.unit * (lean * b + edge.unit * v * v)
+    return edge.kappa * edge.theta_per_y * (lean * b + edge.theta_per_y * v * v)
 
 
 class Body(NamedTuple):
@@ -176,7 +176,7 @@ class Body(NamedTuple):
         """Return u'^2 at the next impact of bodies that are now at y, v [units of the
         edge], on still ground, undamped.
         """
-        return (edge.unit * v) ** 2 + self.fall(edge, edge.unit * y)
+        return (edge.theta_per_y * v) ** 2 + self.fall(edge, edge.theta_per_y * y)
 
     def fz_in_bounces(
         self,

@@ -21,7 +21,7 @@ _LEAST_SQUARE = 1e-300
 
 def crossing(segments: Segments, k: Array, level: Array) -> Array:
     """Phase u in segment k where s = level, for lanes whose level lies between the
-    segment's end values.
+    segment's end values: the instant of an uplift.
     """
     length = segments.length[k]
     if not segments.harmonics:  # a ramp, or a constant s
@@ -39,10 +39,10 @@ def crossing(segments: Segments, k: Array, level: Array) -> Array:
     wave = segments.wave
     x = level - wave.offset[k]
     x *= wave.sign[k]
-    complement = x * x
-    np.subtract(wave.radius2[k], complement, out=complement)
-    np.maximum(complement, _LEAST_SQUARE, out=complement)
-    x /= np.sqrt(complement, out=complement)
+    cos2 = x * x  # becomes (R cos)^2
+    np.subtract(wave.radius2[k], cos2, out=cos2)
+    np.maximum(cos2, _LEAST_SQUARE, out=cos2)
+    x /= np.sqrt(cos2, out=cos2)
     np.arctan(x, out=x)
     x -= wave.angle[k]
     early = np.flatnonzero(x < 0.0)

@@ -396,10 +396,10 @@ def contact_of(structure: RockingParameters, equation: Equation) -> Contact:
     if not structure.sides:
         return Symmetric(structure.eta)
     left, right = structure.sides
-    there = equation.on(np.array([1.0, -1.0]))
+    both = equation.on(np.array([1.0, -1.0]))
     turns, lifts = (
         np.broadcast_to(x, 2).tolist()
-        for x in (there.rotation_rate(np.zeros(2), np.ones(2)), there.uplift_amplitude)
+        for x in (both.rotation_rate(np.zeros(2), np.ones(2)), both.uplift_amplitude)
     )
     # speed of rotation theta' of each side for y' = 1
     unit = [
@@ -416,7 +416,8 @@ def contact_of(structure: RockingParameters, equation: Equation) -> Contact:
         omega=(structure.p / right.p, structure.p / left.p),
         eta=(right.eta * onto_left, left.eta * onto_right),
         rotation=(turns[0], turns[1]),
-        equation=None if there.proportional else equation,
+        # converts y between edges if |theta| is no constant times y
+        equation=None if both.rotation_proportional else equation,
         pace=(
             right.alpha * right.p / (structure.alpha * structure.p),
             left.alpha * left.p / (structure.alpha * structure.p),

@@ -72,8 +72,10 @@ class WeighedSegments(Segments):
         return 1.0 + self.sway(side, amplitude) * _value(self.vertical, *here)
 
     def net(self, side: Array, amplitude: Array, k: Array, u: Array) -> Array:
-        """The net drive c at phase u of segment k, on this side."""
-        return -side * amplitude * _value(self.edges, k + self.offset(side), u)
+        """The net drive c at phase u of segment k, on this side; 0 after the motion."""
+        within = k < len(self)
+        own = np.where(within, k, len(self) - 1) + self.offset(side)
+        return np.where(within, -side * amplitude * _value(self.edges, own, u), 0.0)
 
     def force_at_impact(
         self, side: Array, amplitude: Array, k: Array, u: Array, _b: Array
@@ -115,6 +117,7 @@ class WeighedSegments(Segments):
 
 
 def _value(segments: Segments, k: Array, u: Array) -> Array:
+    """s at phase u of segment k, of the last segment if k is beyond it."""
     k = np.minimum(k, len(segments) - 1)
     return segments.s_start[k] + drive_change(segments, k, u)
 

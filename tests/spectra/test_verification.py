@@ -25,7 +25,6 @@ from rocking_cli import (
     spectrum,
 )
 from rocking_cli.commands.help import page
-from rocking_cli.dynamics.batch import Batch
 from rocking_cli.dynamics.march import engine
 from rocking_cli.dynamics.march.proofs import FREE_MOTION
 from rocking_cli.dynamics.outcome import Difference, Outcome, falls
@@ -95,9 +94,9 @@ def test_half_of_the_checked_cells_have_another_outcome_than_the_next():
     assert decided == {Outcome.ROCKED, *filter(Outcome.overturned.fget, Outcome)}
 
 
-def too_early(batch, lanes, at, k, y, v):
+def too_early(segments, equation, lanes):
     """Lemma 6 made wrong: no body beyond its equilibrium comes back."""
-    return np.ones(at.shape, dtype=bool)
+    return np.ones(lanes.y.size, dtype=bool)
 
 
 def stands(batch, lanes):
@@ -117,7 +116,7 @@ def falls_early(batch, lanes):
 @pytest.mark.parametrize(
     ("place", "name", "wrong"),
     [
-        (Batch, "cannot_return", too_early),
+        (engine, "cannot_return", too_early),
         (engine, "free_motion", stands),
         (engine, "free_motion", falls_early),
     ],

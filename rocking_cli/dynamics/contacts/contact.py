@@ -16,6 +16,7 @@ from ...motions.segments import Segments
 from ..drive import crossing, drive_change
 from ..equations.equation import Equation
 from ..lanes import Cells, Lanes
+from ..outcome import Outcome
 from .sequences import OtherSide, sequence_ends, sequence_time
 
 
@@ -34,6 +35,15 @@ class FreeMotion(NamedTuple):
     overturns: Array  # True if the body overturns without a further impact
     overturns_after_impact: Array  # True if it overturns after one
     peak: Array  # largest rotation y to come, NaN if the body overturns
+
+    def outcome(self, bounced: Any) -> Array:
+        """The outcome of each body; bounced: True if it had an impact before."""
+        after = self.overturns_after_impact | (self.overturns & bounced)
+        return np.where(
+            after,
+            Outcome.OVERTURNED_AFTER_IMPACT,
+            np.where(self.overturns, Outcome.OVERTURNED_NO_IMPACT, Outcome.ROCKED),
+        )
 
 
 @dataclass(frozen=True)
@@ -186,12 +196,31 @@ class Contact(ABC):
         # A body that moves inwards has the peak of its present arc behind it.
         outward = np.where(v > 0.0, here.peak(energy), y)
         beyond = there.peak(across)
-        if equation.proportional or here is there:
+        if equation.rotation_proportional or here is there:
             beyond = beyond * unit
         else:
             beyond = here.displacement(there.rotation(beyond))
         peak = np.maximum(np.maximum(outward, here.peak(again)), beyond)
         return FreeMotion(overturns, after, np.where(overturns | after, np.nan, peak))
+
+    def settles(self, equation: Equation, lanes: Lanes) -> tuple[Array, Array]:
+        """(True for damped lanes on still ground that stay upright: without damping, so
+        with more energy, they would neither pass the barrier nor rise above their peak;
+        their peaks, raised to the next one where it is known).
+        """
+        here = equation.on(lanes.side, lanes.cell)
+        # Start the comparison from the next peak, where this is known: the body is at
+        # rest there, and has lost the energy that damping takes on the way.
+        top = here.damped_peak(lanes.y, lanes.v)
+        known = np.isfinite(top)
+        y, v = np.where(known, top, lanes.y), np.where(known, 0.0, lanes.v)
+        peak = np.fmax(lanes.peak, top)
+        # Without damping every later arc would be higher than it is (Lemma 8).
+        most = self.free_motion(equation, lanes, np.arange(y.size), y, v)
+        # above the barrier damping may keep the body from falling back
+        upright = (here.rotation(y) < 1.0) & ~most.overturns
+        upright &= ~most.overturns_after_impact & (most.peak <= peak)
+        return upright, peak
 
 
 def rebound(eta: Any, v: Any) -> Any:

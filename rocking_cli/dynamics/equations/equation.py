@@ -69,7 +69,7 @@ class Equation(ABC):
     composed: int | None = None
     # True if the search for overturning amplitudes may use Lemmas 9 and 10
     bounded = False
-    proportional = True  # False if |theta| is no constant times y
+    rotation_proportional = True  # False if |theta| is no constant times y
     # if not: its largest slope by y up to the unstable equilibrium over its least one,
     # or the product of these ratios of both sides
     spread = 1.0
@@ -87,7 +87,7 @@ class Equation(ABC):
         self.damped = damping > 0.0
 
     @property
-    def stated(self) -> float:
+    def error_unit(self) -> float:
         """The tolerance in units of which errors are stated [-]."""
         return self.tolerance
 

@@ -87,7 +87,8 @@ class LinearEquation(Equation):
         )
 
     @property
-    def stated(self) -> float:
+    def error_unit(self) -> float:
+        """That of sinusoids; `tolerance` is that of straight lines."""
         return SERIES
 
     def has_exact_flow(self, segments: Segments) -> bool:

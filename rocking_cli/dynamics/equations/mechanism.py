@@ -85,7 +85,7 @@ class MechanismEquation(Equation):
     """
 
     composed = 12
-    proportional = False
+    rotation_proportional = False
 
     def __init__(
         self, mechanism: Mechanism, tolerance: float = 1e-9, damping: float = 0.0

@@ -33,7 +33,7 @@ class TwoMechanisms(Equation):
     """
 
     composed = MechanismEquation.composed
-    proportional = False
+    rotation_proportional = False
 
     def __init__(
         self,

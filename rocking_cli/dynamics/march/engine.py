@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, TypeVar
 import numpy as np
 
 from ...arrays import Array
-from ..batch import Batch
+from ..batch import Batch, cannot_return
 from ..condition import (
     at_free_peak,
     in_tolerances,
@@ -240,8 +240,9 @@ class Run:
         fallen = np.flatnonzero((step.top >= equation.limit) & ~ended)
         if fallen.size:
             # raises if a drive could bring them back
-            top = step.top[fallen]
-            batch.cannot_return(lanes, fallen, lanes.segment[fallen], top, 0.0 * top)
+            some = lanes.take(fallen)
+            some.y, some.v = step.top[fallen], np.zeros(fallen.size)
+            cannot_return(seg, batch.equation, some)
         self.overturn(lanes, fallen)
         ended[fallen] = True
         if batch.peaks:
@@ -287,7 +288,7 @@ class Run:
             np.broadcast_to(x, h.shape)
             for x in (slope_between(equation, *ends, h), equation.damping)
         )
-        error = in_tolerances(step.error, equation.stated)
+        error = in_tolerances(step.error, equation.error_unit)
         at = np.flatnonzero(step.top >= lanes.peak)
         if at.size:
             before = lanes.moments.take(at, axis=1)
@@ -346,8 +347,7 @@ class Run:
             ended[still] = True
         maybe = equation.may_overturn(lanes.y, lanes.v)
         at = np.flatnonzero(maybe & air & ~ended)
-        k = lanes.segment[at]
-        at = at[batch.cannot_return(lanes, at, k, lanes.y[at], lanes.v[at])]
+        at = at[cannot_return(batch.segments, batch.equation, lanes.take(at))]
         self.overturn(lanes, at)
         ended[at] = True
 

@@ -44,7 +44,7 @@ def advance_exactly(
     hit = (end.y <= 0.0) & (step.turns | ~step.outward)
     reach, top_at, top = _turns(arc, step, hit, tops)
     impact_v, impact_force = _impacts(arc, step, np.flatnonzero(hit), top_at, reach)
-    rounding = np.abs(end.y) + np.abs(end.v) + np.abs(arc.b) + np.abs(arc.v)
+    size = np.abs(end.y) + np.abs(end.v) + np.abs(arc.b) + np.abs(arc.v)
     return StepResult(
         arc,
         step.whole & ~hit,
@@ -56,7 +56,7 @@ def advance_exactly(
         impact_force,
         top,
         top_at,
-        _LAST_DIGIT * rounding,
+        _LAST_DIGIT * size,
     )
 
 

@@ -295,7 +295,7 @@ class OverSamples:
         at = flights.lane
         if self.peaks:
             size = 1.0 + np.abs(flights.outward) + lanes.y[at]
-            stated = self.batch.equation.stated
+            stated = self.batch.equation.error_unit
             error = in_tolerances(2.0 * _LAST_DIGIT * size, stated)
             # the error at the start, then it grows on the way
             begun = moved(lanes.moments[:3, at], 0.0 * error, 1.0, 0.0, error)

@@ -48,46 +48,17 @@ def free_motion(batch: Batch, lanes: Lanes) -> Proved:
     free = batch.contact.free_motion(
         batch.equation, lanes, at, lanes.y[at], lanes.v[at]
     )
-    # A body that overturns on its present arc may have had impacts before.
-    before = np.where(
-        lanes.impacts[at] > 0,
-        Outcome.OVERTURNED_AFTER_IMPACT,
-        Outcome.OVERTURNED_NO_IMPACT,
-    )
-    outcome = np.where(
-        free.overturns,
-        before,
-        np.where(
-            free.overturns_after_impact, Outcome.OVERTURNED_AFTER_IMPACT, Outcome.ROCKED
-        ),
-    )
+    outcome = free.outcome(lanes.impacts[at] > 0)
     return Proved(at, outcome, np.maximum(lanes.peak[at], free.peak))
 
 
 def damped_settling(batch: Batch, lanes: Lanes) -> Proved:
-    """Prove that damped lanes on still ground stay upright: without damping, so with
-    more energy, they would neither pass the barrier nor rise above their peak. It also
-    raises the stored peak of lanes on still ground to their next peak where this is
-    known.
+    """Prove that damped lanes on still ground stay upright (`Contact.settles`), and
+    raise the stored peak of lanes on still ground to their next peak where it is known.
     """
     at = np.flatnonzero(lanes.segment >= batch.shaken)
-    y, v = lanes.y[at], lanes.v[at]
-    here = batch.equation.on(lanes.side[at], lanes.cell[at])
-    top = here.damped_peak(y, v)
-    # Start the comparison from the next peak, where this is known: the body is at rest
-    # there, and has lost the energy that damping takes on the way.
-    known = np.flatnonzero(np.isfinite(top))
-    y[known], v[known] = top[known], 0.0
-    lanes.peak[at] = np.fmax(lanes.peak[at], top)
-    # Without damping every later arc would be higher than it is (Lemma 8).
-    most = batch.contact.free_motion(batch.equation, lanes, at, y, v)
-    # above the barrier damping may keep the body from falling back
-    below = batch.rotation(lanes, at, y) < 1.0
-    at = at[
-        below
-        & ~(most.overturns | most.overturns_after_impact)
-        & (most.peak <= lanes.peak[at])
-    ]
+    upright, lanes.peak[at] = batch.contact.settles(batch.equation, lanes.take(at))
+    at = at[upright]
     return Proved(at, Outcome.ROCKED, lanes.peak[at])
 
 

@@ -270,7 +270,7 @@ class WholeLines:
         """Carry the moments of the errors over the lines."""
         at, h = behind.lane, behind.time
         equation = self.batch.equation.on(lanes.side[at], lanes.cell[at])
-        error = in_tolerances(self.least * h, equation.stated)
+        error = in_tolerances(self.least * h, equation.error_unit)
         ends = (lanes.y[at], lanes.v[at]), (behind.y, behind.v)
         slope = slope_between(equation, *ends, h)
         moments = lanes.moments[:3, at]

@@ -136,7 +136,7 @@ class ContactWatch(Observer):
         edge = self.body.on(lanes.side[at], lanes.cell[at])
         here = steps.arc.take(at).at(h)
         weight = 1.0 if steps.weight is None else steps.weight.take(at).at(h).y
-        u, v, b = (edge.unit * x for x in (here.y, here.v, here.b))
+        u, v, b = (edge.theta_per_y * x for x in (here.y, here.v, here.b))
         _, fz = ground_reaction(edge, u, v, b, 0.0, weight)
         if self.devices is not None and steps.held is not None:
             row, now = steps.held
@@ -172,7 +172,7 @@ class ContactWatch(Observer):
     def _largest_curvature(self, steps: Arcs, at: Array) -> Array:
         """A bound of |Fz''|/(m g) on the steps of the lanes `at`."""
         edge = self.body.on(steps.lanes.side[at], steps.lanes.cell[at])
-        unit, turned = edge.unit, edge.unit * _highest(steps)[at]
+        unit, turned = edge.theta_per_y, edge.theta_per_y * _highest(steps)[at]
         v, b = unit * steps.fastest[at], unit * steps.acceleration[at]
         # Bounds of u''' (j) and u'''' (q): the sums of the sizes of the terms.
         arc, n = steps.arc.take(at), np.arange(3.0, len(steps.arc.terms))[:, None]
@@ -263,10 +263,10 @@ class ContactWatch(Observer):
                 unit, pull, press = held.during(lanes, side, bounds.height)
             # Lemma 13: the weight, the largest -u'' at the ground (B) and the largest
             # speed (V), with what the devices add up to the highest arc.
-            top = edge.unit * unit * bounds.height
+            top = edge.theta_per_y * unit * bounds.height
             weight = lightest + press * np.cos(0.5 * top)
-            inward = edge.unit * (unit * bounds.most[i] + pull)
-            fastest = edge.unit * unit * bounds.fastest[i]
+            inward = edge.theta_per_y * (unit * bounds.most[i] + pull)
+            fastest = edge.theta_per_y * unit * bounds.fastest[i]
             kept &= body.fz_in_bounces(edge, weight, inward, fastest, top) > 0.0
         return kept
 
@@ -299,7 +299,7 @@ class ContactWatch(Observer):
         least = np.full(lanes.y.size, np.inf)
         for edge, q in (
             (here, square),
-            (there, square * (lanes.eta * there.unit / here.unit) ** 2),
+            (there, square * (lanes.eta * there.theta_per_y / here.theta_per_y) ** 2),
         ):
             rate = np.sqrt(q)
             _, fz = ground_reaction(
@@ -313,7 +313,7 @@ class ContactWatch(Observer):
             if self.equation.damped:
                 falls = (
                     q <= (1.0 if self.body.linear else 4.0 * np.cos(edge.alpha))
-                ) & (here.unit * lanes.y <= 2.0 * here.alpha)
+                ) & (here.theta_per_y * lanes.y <= 2.0 * here.alpha)
                 fz = np.where(falls, fz, -np.inf)
             least = np.where(q > 0.0, np.minimum(least, fz), least)
         return least

@@ -117,10 +117,11 @@ class HeldMarch(HeldState):
         return Stop(x, self.held.high, self._pass_upper_end)
 
     def _down(self, terms: list[float], start: float, stop: float) -> Stop:
-        """The body passes the lower end between two points, the first of which is at
-        its peak or before it.
+        """The body passes the lower end between x = start, its peak, and stop; start is
+        0 for a step without a peak.
         """
         above = [terms[0] - self.held.low, *terms[1:]]
+        # a parabola comes down as long after its peak as it began before it
         x = root(above, start, stop, 2.0 * start) if start else only_fall(above, stop)
         return Stop(x, self.held.low, self._pass_lower_end)
 
@@ -200,7 +201,7 @@ class HeldMarch(HeldState):
         """
         self.v = 0.0
         yy, yv, vv = self.moments
-        touch = in_tolerances(self._largest_touch(), self.equation.stated)
+        touch = in_tolerances(self._largest_touch(), self.equation.error_unit)
         self.moments = yy + touch**2, yv, vv
 
     def _largest_touch(self) -> float:

@@ -108,34 +108,14 @@ class HeldState(March):
 
     def _test_overturning(self) -> None:
         """End the march of a body that no later drive can turn back (Lemma 6)."""
-        edge, held, weight = self.edge, self.held, 1.0
+        edge, held = self.edge, self.held
         doubtful, fallen = 1.0, math.inf
         if self.listener is not None and self.listener.fallen is not None:
             doubtful = fallen = self.listener.fallen[0 if edge.side > 0.0 else 1]
         if not (self.y > doubtful and self.v > 0.0 and held.high >= edge.limit):
             return
-        side, amplitude = np.array([edge.side]), np.array([abs(edge.drive)])
-        k = np.array([min(self.segment, len(self.segments) - 1)])
-        inward = self.segments.strongest_inward(side, amplitude, k)
-        weighed = self.segments.weighed
-        if self.restraints.devices.linear:
-            # The devices are too soft for y'' to fall as y grows. It is positive under
-            # the strongest inward drive and the least weight.
-            if weighed is not None:
-                weight = float(weighed.least_weight(side, amplitude, k)[0])
-            y = np.array([self.y])
-            force = self.equation.on(side).force(y, -inward * weight, weight)
-            pull = held.law.moment.at(self.y)
-            falls = held.stiffness <= weight and bool(force[0] > pull)
-        else:
-            # The lemma of the free body, if no device pulls any more.
-            free = not (held.now.fixed.any() or held.now.rate.any())
-            y, v = np.array([self.y]), np.array([self.v])
-            equation = self.equation.on(side)
-            falls = free and bool(
-                equation.certainly_overturns(y, v, inward, weighed is None)[0]
-            )
-        if falls:
+        law, one = self.restraints.law, self._lanes()
+        if law.cannot_return(self.segments, one, held.row, held.now)[0]:
             self.y = min(self.y, fallen)
             self._stretch(self.y)
             self._finish(self._overturned())

@@ -12,7 +12,7 @@ from ..equations.taylor import LONGEST, growth_rate, size_limits
 from ..system import System
 from ..tied.bounces import Bounces
 from ..tied.devices import Branch, Devices
-from ..tied.series import HeldBody
+from ..tied.series import HeldBody, Law
 from ..tied.tied_lanes import TiedLanes
 
 _STATES = 1000  # states of the devices that are kept
@@ -52,6 +52,7 @@ class LaneRestraints:
 
     def __init__(self, system: System, segments: Segments, devices: Devices) -> None:
         self.devices, self.equation = devices, system.equation
+        self.law = Law(system.equation, devices)
         self.bounces = Bounces(devices, system.contact, system.equation, segments)
         # as of `Lane.size_limits`, by Omega and growth rate
         self.limits: dict[tuple[float, float], list[float]] = {}

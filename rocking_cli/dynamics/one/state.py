@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from ...arrays import Array
-from ..batch import FreeFall
+from ..batch import FreeFall, cannot_return
 from ..body import relief
 from ..condition import ErrorMoments, along, at_free_peak, slope_between
 from ..contacts.sequences import STILL
@@ -172,11 +172,8 @@ class MarchState:
         free = self.contact.free_motion(
             self.equation, lanes, np.array([0]), lanes.y, lanes.v
         )
-        if free.overturns[0]:
-            self._finish(self._overturned())
-        elif free.overturns_after_impact[0]:
-            self._finish(Outcome.OVERTURNED_AFTER_IMPACT)
-        else:
+        outcome = Outcome(int(free.outcome(self.bounced)[0]))
+        if outcome == Outcome.ROCKED:
             highest = self._onto_first(float(free.peak[0]))
             if self.carries and highest > self.peak:
                 self._carry_on(self.y, self.v, 0.0)
@@ -193,31 +190,18 @@ class MarchState:
                 )
                 self._at_peak(float(moment[0]), float(free.peak[0]))
             self.peak = max(self.peak, highest)
-            self._finish(Outcome.ROCKED)
+        self._finish(outcome)
 
     def _settled(self) -> bool:
-        """True, and the march ends, if a damped body on still ground would even without
-        damping pass neither the barrier nor its peak.
+        """True, and the march ends, if a damped body on still ground stays upright
+        (`Contact.settles`).
         """
-        lanes, equation = self._lanes(), self.equation.on(np.array([self.edge.side]))
-        peak = equation.damped_peak(lanes.y, lanes.v)
-        if np.isfinite(peak[0]):
-            lanes.y[:], lanes.v[:] = peak, 0.0
-            self.peak = max(self.peak, self._onto_first(float(peak[0])))
-        if float(equation.rotation(lanes.y)[0]) >= 1.0:
-            return False
-        # Lemma 8: the undamped peaks are above those of this body.
-        most = self.contact.free_motion(
-            self.equation, lanes, np.array([0]), lanes.y, lanes.v
-        )
-        if (
-            most.overturns[0]
-            or most.overturns_after_impact[0]
-            or self._onto_first(float(most.peak[0])) > self.peak
-            or (
-                self.doubtful
-                and not self.watch.may_settle(self._lanes(), np.zeros(1))[0]
-            )
+        lanes = self._lanes()
+        upright, peak = self.contact.settles(self.equation, lanes)
+        if peak[0] > lanes.peak[0]:
+            self.peak = self._onto_first(float(peak[0]))
+        if not upright[0] or (
+            self.doubtful and not self.watch.may_settle(lanes, np.zeros(1))[0]
         ):
             return False
         self._finish(Outcome.ROCKED)
@@ -237,17 +221,9 @@ class MarchState:
 
     def _cannot_return(self, y: float, v: float) -> bool:
         """True if no later drive brings the body back on its present side (Lemma 6)."""
-        side = np.array([self.edge.side])
-        inward = self.segments.strongest_inward(
-            side,
-            np.array([abs(self.edge.drive)]),
-            np.array([min(self.segment, len(self.segments) - 1)]),
-        )
-        return bool(
-            self.equation.on(side).certainly_overturns(
-                np.array([y]), np.array([v]), inward, self.segments.weighed is None
-            )[0]
-        )
+        here = self._lanes()
+        here.y[0], here.v[0] = y, v
+        return bool(cannot_return(self.segments, self.equation, here)[0])
 
     def _fall_freely(self) -> None:
         """End the march of a body from which the ground falls away now."""

@@ -26,7 +26,7 @@ def carry(
     at the end; error: of y' on them.
     """
     slope = slope_between(held, (lanes.y, lanes.v), end, h)
-    error = in_tolerances(error, held.stated)
+    error = in_tolerances(error, held.error_unit)
     lanes.moments[:3] = moved(lanes.moments, h, slope, held.damping, error)
     if lanes.yielded.any():
         stiffness = held.moment.slope(0.5 * (lanes.y + end[0]))
@@ -45,11 +45,13 @@ def carry_step(
     before, start = lanes.moments.copy(), (lanes.y, lanes.v)
     carry(lanes, held, (ended.y, ended.v), ended.reach, step.error)
     touches = (ended.y == 0.0) & (ended.v == 0.0) & ~ended.down
-    lanes.moments[0] += np.where(touches, in_tolerances(touch, held.stated) ** 2, 0.0)
+    lanes.moments[0] += np.where(
+        touches, in_tolerances(touch, held.error_unit) ** 2, 0.0
+    )
     if (ended.peaked & (ended.top >= lanes.peak)).any():
         at = np.flatnonzero(ended.peaked & (ended.top >= lanes.peak))
         slope = slope_between(held, start, (ended.top, 0.0 * ended.top), step.turn)
-        error = in_tolerances(step.error, held.stated)
+        error = in_tolerances(step.error, held.error_unit)
         moment = moved(before, step.turn, slope, held.damping, error)[0]
         rate = held.equation.rotation_rate(ended.top, np.ones(ended.top.size))
         lanes.moments[3, at] = (rate * rate * moment)[at]

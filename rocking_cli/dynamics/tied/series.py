@@ -20,6 +20,7 @@ import numpy as np
 
 from ...arrays import Array
 from ...motions.segments import Segments
+from ..batch import cannot_return, inward_to_come
 from ..drive import drive_change
 from ..equations import taylor
 from ..equations.equation import Equation, Instant
@@ -52,11 +53,13 @@ class Step(NamedTuple):
 
 
 class Law:
-    """The equation of motion of tied bodies; of_lines: True under a record of straight
-    lines.
+    """The equation of motion of tied bodies; of_lines: True if series shall go along
+    the straight lines of a record.
     """
 
-    def __init__(self, equation: Equation, devices: Devices, of_lines: bool) -> None:
+    def __init__(
+        self, equation: Equation, devices: Devices, of_lines: bool = False
+    ) -> None:
         self.equation, self.devices, self.of_lines = equation, devices, of_lines
         self.tolerance = equation.tolerance  # tolerance of y
         self.order = taylor.order_for(equation.tolerance)
@@ -86,6 +89,27 @@ class Law:
         weight = segments.weight(side, lanes.amplitude, k, u)
         drive = -side * lanes.amplitude * s
         return self.force(row, now, side, lanes.cell, lanes.y, drive, weight)
+
+    def cannot_return(
+        self, segments: Segments, lanes: Lanes, row: Array, now: Branch
+    ) -> Array:
+        """True for lanes that no later drive can turn back while their devices keep
+        their branches `now`, the last ones (Lemma 6).
+        """
+        if not self.devices.linear:
+            # the lemma of the free body, if no device pulls any more
+            free = ~(now.fixed.any(axis=0) | now.rate.any(axis=0))
+            return free & cannot_return(segments, self.equation, lanes)
+        # The devices are too soft for y'' to fall as y grows. It is positive under the
+        # strongest inward drive and the least weight.
+        side, weight = lanes.side, np.ones(lanes.side.size)
+        if segments.weighed is not None:
+            k = np.minimum(lanes.segment, len(segments) - 1)
+            weight = segments.weighed.least_weight(side, lanes.amplitude, k)
+        soft = self.devices.linear_terms(row, now)[1] <= weight
+        drive = -inward_to_come(segments, lanes) * weight
+        force = self.force(row, now, side, lanes.cell, lanes.y, drive, weight)
+        return soft & (force > 0.0)
 
     def flow(
         self, segments: Segments, lanes: Lanes, row: Array, now: Branch, exact: Array
@@ -250,7 +274,7 @@ class HeldBody:
         self.moment = moment  # of the devices
         self.damping, self.damped = equation.damping, equation.damped
         self.tolerance = equation.tolerance
-        self.stated = equation.stated
+        self.error_unit = equation.error_unit
         self.gain = equation.gain
 
     def slope(self, y: Any, force: Any) -> Any:

@@ -324,26 +324,8 @@ class TiedMarch:
         at = np.flatnonzero((lanes.y > _DOUBTFUL) & (lanes.v > 0.0) & (high >= limit))
         if not at.size:
             return falls
-        side, cell, k = lanes.side[at], lanes.cell[at], lanes.segment[at]
-        k = np.minimum(k, len(self.segments) - 1)
-        inward = self.segments.strongest_inward(side, lanes.amplitude[at], k)
-        # Lemma 6. Linear: the devices are too soft for y'' to fall as y grows. It is
-        # positive under the strongest inward drive and the least weight. Otherwise the
-        # lemma of the free body, if no device pulls any more.
-        weighed = self.segments.weighed
-        if self.devices.linear:
-            there, weight = now.take(at), np.ones(at.size)
-            if weighed is not None:
-                weight = weighed.least_weight(side, lanes.amplitude[at], k)
-            soft = self.devices.linear_terms(row[at], there)[1] <= weight
-            y, drive = lanes.y[at], -inward * weight
-            force = self.law.force(row[at], there, side, cell, y, drive, weight)
-            falls[at] = soft & (force > 0.0)
-        else:
-            free = ~(now.fixed[:, at].any(axis=0) | now.rate[:, at].any(axis=0))
-            falls[at] = free & self.equation.on(side, cell).certainly_overturns(
-                lanes.y[at], lanes.v[at], inward, weighed is None
-            )
+        some, there = lanes.take(at), now.take(at)
+        falls[at] = self.law.cannot_return(self.segments, some, row[at], there)
         return falls
 
     def _apply_impacts(self, lanes: TiedLanes, at: Array, row: Array) -> Array:

@@ -315,7 +315,7 @@ def test_forces_along_steps_stay_within_their_bounds(model, share):
             s = motion.value(batch.segments.start[k] + phase)
             weight = batch.segments.weight(side, lanes.amplitude[at], k, phase)
             push = -side * lanes.amplitude[at] * edge.uplift * s
-            own = edge.unit * here.y, edge.unit * here.v
+            own = edge.theta_per_y * here.y, edge.theta_per_y * here.v
             fz = forces_under(system.body, edge, push, weight, *own)[1]
             np.testing.assert_allclose(watch.fz(steps, at, h), fz, atol=1e-6)
             along.append(fz)
