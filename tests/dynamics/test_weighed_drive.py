@@ -276,6 +276,8 @@ def test_the_least_weight_from_a_segment_on_is_that_of_a_raster(side, amplitude)
     assert least == pytest.approx(
         [min(lows[k:]) for k in range(len(segments))], abs=1e-6
     )
+    after = np.array([len(segments)])
+    assert segments.net(where[:1], drive[:1], after, np.zeros(1)) == [0.0]
 
 
 @pytest.mark.parametrize("model", ["linear", "nonlinear"])
