@@ -132,32 +132,17 @@ def path(flow: EdgeMotion, start: StatePoint, stop: float, limit: float) -> Path
     peaks: list[StatePoint] = []
     span, passed = stop - start.time, 0.0
     longest, here, steps = span, start, [start]
-    rates = rate(*start)
-    force = rates[1]
-    bounces = start.theta == 0.0 < start.w and force < 0.0
-    # a bounce must not hide within a step
-    length = min(longest, -_BOUNCES * start.w / force) if bounces else longest
+    rates, length = rate(*start), span
+    if start.theta == 0.0 < start.w and rates[1] < 0.0:
+        # a bounce must not hide within a step
+        length = min(span, -_BOUNCES * start.w / rates[1])
     while passed < span and here.theta <= limit:
         if span - passed < 1.001 * length:
             length = span - passed
         there = flow.step(here, length, rates)
-        # A step from rest that ends without outward speed: the body may have gone up
-        # and down again inside it.
-        hop = (
-            there is not None
-            and here.theta == here.w == 0.0 >= there.w
-            and length > _HOP * span
-        )
-        # A velocity that first falls and then rises may be negative between the ends.
-        after = None if there is None else rate(*there)
-        dips = (
-            there is not None
-            and after is not None
-            and min(here.w, there.w) > 0.0
-            and rates[1] < 0.0 < after[1]
-            and length > _DIP * span
-        )
-        if there is None or after is None or hop or dips:
+        if there is None or _hides(
+            here, rates, there, after := rate(*there), length / span
+        ):
             length = longest = 0.5 * length
             if length < _SHORTEST * span:
                 raise ArithmeticError(f"no step from {here} is short enough")
@@ -178,6 +163,24 @@ def path(flow: EdgeMotion, start: StatePoint, stop: float, limit: float) -> Path
             return Path(peaks, there, True, steps)
         here, rates = there, after
     return Path(peaks, here, False, steps)
+
+
+def _hides(
+    here: StatePoint,
+    rates: tuple[float, float],
+    there: StatePoint,
+    after: tuple[float, float],
+    part: float,
+) -> bool:
+    """True if an arc or a dip may hide within a step between two states with these
+    rates; part: its length over the span.
+    """
+    # A step from rest that ends without outward speed: the body may have gone up and
+    # down again inside it.
+    hop = here.theta == here.w == 0.0 >= there.w and part > _HOP
+    # A velocity that first falls and then rises may be negative between the ends.
+    falls_and_rises = rates[1] < 0.0 < after[1] and min(here.w, there.w) > 0.0
+    return hop or (falls_and_rises and part > _DIP)
 
 
 def passes(

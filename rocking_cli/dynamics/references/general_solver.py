@@ -12,7 +12,7 @@ loses contact where the ground falls away from it, and a rigid body that rocks w
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -33,47 +33,33 @@ _STILL = Piece(0.0, math.inf)  # the ground after the shaking
 _ROUNDS = 32  # rounds of the search; each leaves two thirds of the interval
 
 
-class Arm(NamedTuple):
-    """One edge. Fz over m g is w + rise (cos(alpha - u))'', with u = |theta|."""
-
-    alpha: float  # critical angle [rad]
-    rise: float  # R p^2/g with the p of tau [-]
-
-    def fz(self, u: float, rate: float, acceleration: float, weight: float) -> float:
-        """Fz/(m g) at u [rad]; rate, acceleration: the derivatives u' and u'' by tau;
-        weight: over m g.
-        """
-        z = self.alpha - u
-        return weight + self.rise * (
-            acceleration * math.sin(z) - rate * rate * math.cos(z)
-        )
+# of (theta, w, the inward ground acceleration [g], the weight over m g), which returns
+# (theta', w') by tau
+Rates = Callable[[float, float, float, float], tuple[float, float]]
 
 
-class Rates(NamedTuple):
-    """An equation of motion on one edge."""
+class RockingEdge(NamedTuple):
+    """One edge of a structure, with the equation of motion on it."""
 
     alpha: float  # critical angle [rad]
     uplift: float  # static uplift acceleration lambda [-]
     limit: float  # theta from which the body counts as overturned [rad]
-    # function of theta, w, the inward ground acceleration [g] and the weight over m g
-    # that returns (theta', w') by tau
-    of: Callable[[float, float, float, float], tuple[float, float]]
+    of: Rates  # the equation of motion
     # False if a body that loses contact beyond alpha has an unknown outcome, so that
     # its cell fails
     returns: bool = True
+    eta: float = 1.0  # |theta'| after over |theta'| before the impact that leaves it
+    # R p^2/g with the p of tau [-], None if its forces are not known: Fz over m g is
+    # w + rise (cos(alpha - u))'', with u = |theta|
+    rise: float | None = None
 
 
 class Problem(NamedTuple):
     """A structure for a general solver."""
 
-    # equation of each side, +1 for theta > 0, and -1 unless the body rocks to the right
-    # only
-    edges: dict[int, Rates]
+    # +1 for theta > 0, and -1 unless the body rocks to the right only
+    edges: dict[int, RockingEdge]
     scale: float  # ground acceleration of A = 1 [g]
-    # |theta'| after over |theta'| before the impact that leaves each edge [-]
-    eta: Mapping[int, float]
-    # `Arm` of each edge of a rigid body; empty if its forces are not known
-    arms: Mapping[int, Arm] = {}
     # function that builds a body with ties or a tendon, None for a free body
     body: Callable[..., ReferenceBody] | None = None
 
@@ -167,7 +153,6 @@ class ReferenceBody:
         self.motion, self.problem, self.solver = motion, problem, solver
         self.drive = amplitude * problem.scale
         self.omega = omega
-        self.eta = problem.eta
         self.time = self.theta = self.w = self.peak = 0.0
         self.side = self.turns = 0  # turns: peaks since the last impact
         self.edges = problem.edges
@@ -308,7 +293,7 @@ class ReferenceBody:
         """
         # A tangent step to the impact.
         speed, force = rate(*there)
-        miss, eta = -there.theta / speed if speed < 0.0 else 0.0, self.eta[self.side]
+        miss, eta = -there.theta / speed if speed < 0.0 else 0.0, self.here.eta
         self.time, self.bounced = max(there.time, earliest) + miss, True
         self.turns = 0
         self.side = -self.side if -self.side in self.edges else self.side
@@ -328,13 +313,15 @@ class ReferenceBody:
         """Record in `contact_lost` if Fz falls to zero along these steps of a body
         whose forces are known; such a body has theta' = w.
         """
-        arm = self.problem.arms.get(self.side)
-        if arm is None or self.contact_lost:
+        alpha, rise = self.here.alpha, self.here.rise
+        if rise is None or self.contact_lost:
             return
 
         def acceleration_and_fz(at: StatePoint) -> tuple[float, float]:
-            acceleration = flow.rate(*at)[1]
-            return acceleration, arm.fz(at.theta, at.w, acceleration, self.pressure(at))
+            acceleration, z = flow.rate(*at)[1], alpha - at.theta
+            return acceleration, self.pressure(at) + rise * (
+                acceleration * math.sin(z) - at.w * at.w * math.cos(z)
+            )
 
         after = acceleration_and_fz(steps[0])
         for one, other in pairwise(steps):

@@ -8,14 +8,14 @@ the solver. A span ends where a law changes, which single steps find by bisectio
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 from ...motions.motion import Motion
 from ...structures.restraints import Strand
 from .extrapolation import EdgeMotion, Path, StatePoint, passes
-from .general_solver import Problem, Rates, ReferenceBody
+from .general_solver import Problem, Rates, ReferenceBody, RockingEdge
 
 if TYPE_CHECKING:
     from ...structures.restraints import Restraints, Tie
@@ -92,100 +92,6 @@ class _Device:
         self.law = "yielding" if yields and w > 0.0 else "elastic" if taut else "slack"
 
 
-class Held:
-    """The ties and the tendon of a body that moves. A side is +1 (right) or -1
-    (left).
-    """
-
-    def __init__(
-        self,
-        restraints: Restraints,
-        paces: Mapping[int, float],
-        arm: float,
-        linear: bool,
-    ) -> None:
-        stands = dict(zip((-1, 1), restraints.stands, strict=True))
-        self.devices = {
-            i: [
-                _Device(tie, linear)
-                for tie in restraints.on(stands[i].side, stands[i].lever)
-            ]
-            for i in paces
-        }
-        self.factors = {i: pace**2 / stands[i].moment for i, pace in paces.items()}
-        # paces: for each side, its p over the p of tau = p t [-]
-        # arm: R, the distance from the edge to the mass centre [m]
-        # linear: True for the linear equation, in which levers do not change
-        self.paces, self.arm, self.linear = paces, arm, linear
-
-    def pull(self, side: int, u: float) -> float:
-        """The restoring acceleration -theta'' by tau."""
-        return self.factors[side] * sum(d.moment(u) for d in self.devices[side])
-
-    def at_ground(self, side: int) -> float:
-        """The restoring acceleration -theta'' by tau that holds a body at rest."""
-        return self.factors[side] * sum(
-            d.at_ground() * d.tie.height for d in self.devices[side]
-        )
-
-    def downwards(self, side: int, u: float) -> float:
-        """The vertical force of a tendon over m g."""
-        force = sum(d.force(u) for d in self.devices[side] if isinstance(d.tie, Strand))
-        return (
-            force
-            * math.cos(0.5 * u)
-            * self.arm
-            * self.factors[side]
-            / self.paces[side] ** 2
-        )
-
-    def limit(self, side: int, alpha: float) -> float:
-        """The rotation [rad] from which the body counts as overturned: a tie has lost
-        its lever, or the body lies on its side.
-        """
-        turned = (
-            math.atan2(d.tie.height, -min(d.tie.behind, 0.0))
-            for d in self.devices[side]
-        )
-        return _FAR * alpha if self.linear else min(turned, default=0.5 * math.pi)
-
-    def cut(self, side: int, flow: EdgeMotion, found: Path) -> Path:
-        """The part of a path on which no law changes: it ends where one does, or at the
-        first peak if a device yields.
-        """
-        devices, peaks, passed = self.devices[side], found.peaks, [found.steps[0]]
-        yields = any(d.law == "yielding" for d in devices)
-        for one, other in pairwise(sorted((*found.steps, *peaks))):
-            if all(d.holds(other.theta) >= 0.0 for d in devices):
-                passed.append(other)
-                if yields and other in peaks:
-                    return Path([other], other._replace(w=0.0), False, passed)
-                continue
-            there = _end_of_law(devices, flow, one, other)
-            return Path(
-                [p for p in peaks if p in passed], there, False, [*passed, there]
-            )
-        return found
-
-    def follow(self, side: int, u: float, w: float) -> bool:
-        """Choose the laws of the devices of a side at a rotation and a velocity; True
-        if one breaks now. A tendon breaks on both sides.
-        """
-        whole = sum(d.law != "broken" for d in self.devices[side])
-        for d in self.devices[side]:
-            d.follow(u, w)
-        tendons = [
-            d
-            for devices in self.devices.values()
-            for d in devices
-            if isinstance(d.tie, Strand)
-        ]
-        if any(d.law == "broken" for d in tendons):
-            for d in tendons:
-                d.law = "broken"
-        return sum(d.law != "broken" for d in self.devices[side]) < whole
-
-
 def _end_of_law(
     devices: list[_Device], flow: EdgeMotion, one: StatePoint, other: StatePoint
 ) -> StatePoint:
@@ -209,55 +115,112 @@ def _end_of_law(
     return StatePoint(time, high, there.w + (time - there.time) * force)
 
 
-class _TiedBody(ReferenceBody):
+class TiedBody(ReferenceBody):
+    """A body with ties and a tendon. paces: for each side, its p over the p of tau = p
+    t [-]; arm: R, the distance from the edge to the mass centre [m]; linear: True for
+    the linear equation, in which levers do not change.
+    """
+
     def __init__(
-        self, held: Held, motion: Motion, problem: Problem, *numbers: Any
+        self,
+        restraints: Restraints,
+        paces: Mapping[int, float],
+        arm: float,
+        linear: bool,
+        motion: Motion,
+        problem: Problem,
+        *numbers: Any,
     ) -> None:
         super().__init__(motion, problem, *numbers)
-        self.held, self.free = held, problem.edges
+        stands = dict(zip((-1, 1), restraints.stands, strict=True))
+        self.devices = {
+            i: [
+                _Device(tie, linear)
+                for tie in restraints.on(stands[i].side, stands[i].lever)
+            ]
+            for i in paces
+        }
+        self.factors = {i: pace**2 / stands[i].moment for i, pace in paces.items()}
+        self.paces, self.arm, self.linear = paces, arm, linear
         self.edges = {
-            i: e._replace(
-                of=self.restrained(i, e),
-                limit=self.held.limit(i, e.alpha),
-            )
+            i: e._replace(of=self._restrained(i, e), limit=self._limit(i, e.alpha))
             for i, e in problem.edges.items()
         }
         self.follow()
 
-    def restrained(
-        self, side: int, edge: Rates
-    ) -> Callable[[float, float, float, float], tuple[float, float]]:
-        """Return the rates of `edge` with the pull of the ties, tendon and dampers
-        added.
-        """
+    def _restrained(self, side: int, edge: RockingEdge) -> Rates:
+        """Return the rates of `edge` with the pull of the devices added."""
+        factor, devices = self.factors[side], self.devices[side]
 
         def rates(
             theta: float, w: float, push: float, weight: float
         ) -> tuple[float, float]:
             speed, force = edge.of(theta, w, push, weight)
-            return speed, force - self.held.pull(side, theta)
+            return speed, force - factor * sum(d.moment(theta) for d in devices)
 
         return rates
 
+    def _limit(self, side: int, alpha: float) -> float:
+        """The rotation [rad] from which the body counts as overturned: a tie has lost
+        its lever, or the body lies on its side.
+        """
+        turned = (
+            math.atan2(d.tie.height, -min(d.tie.behind, 0.0))
+            for d in self.devices[side]
+        )
+        return _FAR * alpha if self.linear else min(turned, default=0.5 * math.pi)
+
     def pressure(self, at: StatePoint) -> float:
-        return self.weight(at.time) + self.held.downwards(self.side, at.theta)
+        """The forces downwards at an instant, over m g: with that of a tendon."""
+        force = sum(
+            d.force(at.theta)
+            for d in self.devices[self.side]
+            if isinstance(d.tie, Strand)
+        )
+        share = self.arm * self.factors[self.side] / self.paces[self.side] ** 2
+        return self.weight(at.time) + force * math.cos(0.5 * at.theta) * share
 
     def cut(self, flow: EdgeMotion, found: Path) -> Path:
-        return self.held.cut(self.side, flow, found)
+        """The part of a path on which no law changes: it ends where one does, or at the
+        first peak if a device yields.
+        """
+        devices, peaks = self.devices[self.side], found.peaks
+        passed = [found.steps[0]]
+        yields = any(d.law == "yielding" for d in devices)
+        for one, other in pairwise(sorted((*found.steps, *peaks))):
+            if all(d.holds(other.theta) >= 0.0 for d in devices):
+                passed.append(other)
+                if yields and other in peaks:
+                    return Path([other], other._replace(w=0.0), False, passed)
+                continue
+            there = _end_of_law(devices, flow, one, other)
+            return Path(
+                [p for p in peaks if p in passed], there, False, [*passed, there]
+            )
+        return found
 
     def follow(self) -> None:
         """Choose the laws of the devices where the body is now, and the drive that
-        lifts it from each edge.
+        lifts it from each edge. A tendon breaks on both sides.
         """
-        for side, edge in self.free.items():
-            here = side == self.side
-            if self.held.follow(
-                side, self.theta if here else 0.0, self.w if here else 0.0
-            ):
-                self.turns = self.impacts = 0
-            lifts = edge.uplift * (
-                1.0 - self.held.at_ground(side) / edge.of(0.0, 0.0, 0.0, 1.0)[1]
+        every = [d for devices in self.devices.values() for d in devices]
+        whole = sum(d.law != "broken" for d in every)
+        for side, devices in self.devices.items():
+            at = (self.theta, self.w) if side == self.side else (0.0, 0.0)
+            for d in devices:
+                d.follow(*at)
+        tendons = [d for d in every if isinstance(d.tie, Strand)]
+        if any(d.law == "broken" for d in tendons):
+            for d in tendons:
+                d.law = "broken"
+        if sum(d.law != "broken" for d in every) < whole:
+            self.turns = self.impacts = 0
+        for side, edge in self.problem.edges.items():
+            # the restoring acceleration -theta'' by tau that holds the body at rest
+            held = self.factors[side] * sum(
+                d.at_ground() * d.tie.height for d in self.devices[side]
             )
+            lifts = edge.uplift * (1.0 - held / edge.of(0.0, 0.0, 0.0, 1.0)[1])
             self.edges[side] = self.edges[side]._replace(uplift=lifts)
         self.here = self.edges[self.side or 1]
 
@@ -266,14 +229,3 @@ class _TiedBody(ReferenceBody):
 
     def falls_on_still_ground(self) -> bool:
         return self.theta > self.here.limit
-
-
-def body_with(
-    restraints: Restraints, paces: Mapping[int, float], arm: float | None, linear: bool
-) -> Callable[..., ReferenceBody]:
-    """Return a function that builds a `ReferenceBody` with these restraints; paces,
-    arm, linear: as of `Held`.
-    """
-    return lambda *more: _TiedBody(
-        Held(restraints, paces, arm or math.nan, linear), *more
-    )

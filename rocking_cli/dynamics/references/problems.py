@@ -6,9 +6,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from functools import partial
 from typing import TYPE_CHECKING
 
-from .general_solver import Arm, Problem, Rates
+from .general_solver import Problem, RockingEdge
 
 if TYPE_CHECKING:
     from ...structures.parameters import RockingParameters, Side
@@ -16,47 +17,42 @@ if TYPE_CHECKING:
     Edge = Side | RockingParameters  # with p, alpha and a_scale
 
 
-def linear_rates(structure: RockingParameters, edge: Edge) -> Rates:
+def linear_rates(structure: RockingParameters, edge: Edge) -> RockingEdge:
     """The rates of Eq. 2.4 or 3.6 on an edge: theta'' = theta - alpha - a_scale push -
     2 zeta theta', time by p of the edge.
     """
+    alpha, a_scale = edge.alpha, edge.a_scale
     pace = edge.p / structure.p
-    alpha = edge.alpha
-    a_scale = edge.a_scale
-    damping = structure.damping
+    drag = 2.0 * structure.damping * pace
 
     def rates(
         theta: float, w: float, push: float, weight: float
     ) -> tuple[float, float]:
-        return (
-            w,
-            pace**2 * (weight * (theta - alpha) - a_scale * push)
-            - 2.0 * damping * pace * w,
-        )
+        force = weight * (theta - alpha) - a_scale * push
+        return w, pace**2 * force - drag * w
 
-    return Rates(alpha, alpha / a_scale, math.inf, rates)
+    return RockingEdge(alpha, alpha / a_scale, math.inf, rates)
 
 
-def rigid_body_rates(structure: RockingParameters, edge: Edge) -> Rates:
+def rigid_body_rates(structure: RockingParameters, edge: Edge) -> RockingEdge:
     """The rates of Eq. 2.3 on an edge: theta'' = -sin(alpha - theta) - push cos(alpha -
     theta) - 2 zeta theta', time by p of the edge.
     """
-    pace, alpha, damping = edge.p / structure.p, edge.alpha, structure.damping
+    alpha = edge.alpha
+    pace = edge.p / structure.p
+    drag = 2.0 * structure.damping * pace
 
     def rates(
         theta: float, w: float, push: float, weight: float
     ) -> tuple[float, float]:
         z = alpha - theta
-        return (
-            w,
-            pace**2 * (-weight * math.sin(z) - push * math.cos(z))
-            - 2.0 * damping * pace * w,
-        )
+        force = -weight * math.sin(z) - push * math.cos(z)
+        return w, pace**2 * force - drag * w
 
-    return Rates(alpha, math.tan(alpha), 0.5 * math.pi, rates)
+    return RockingEdge(alpha, math.tan(alpha), 0.5 * math.pi, rates)
 
 
-def mechanism_rates(structure: RockingParameters, edge: Edge) -> Rates:
+def mechanism_rates(structure: RockingParameters, edge: Edge) -> RockingEdge:
     """The rates of Eq. 3.4 on a side: theta' = w/sqrt(m) and w' = -(L + push B)/(M0
     sqrt(m)) - 2 zeta w, with g/p^2 of the structure, m = M/M0 and M0 = M at rest.
     """
@@ -76,43 +72,38 @@ def mechanism_rates(structure: RockingParameters, edge: Edge) -> Rates:
 
     end = mechanism.reach_to(0.5 * math.pi)
     _, lift, thrust = coefficients(0.0)
-    return Rates(edge.alpha, lift / thrust, end, rates, returns=False)
+    return RockingEdge(edge.alpha, lift / thrust, end, rates, returns=False)
 
 
 def problem_of(
-    structure: RockingParameters, rates: Callable[[RockingParameters, Edge], Rates]
+    structure: RockingParameters,
+    equation: Callable[[RockingParameters, Edge], RockingEdge],
 ) -> Problem:
-    """Return the problem of a structure; rates: function that gives the equation on an
-    edge, such as `linear_rates`.
+    """Return the problem of a structure; equation: function that gives the equation on
+    an edge, such as `linear_rates`.
     """
-    sides: dict[int, Edge] = dict(zip((-1, 1), structure.sides, strict=False))
-    scale = structure.alpha / structure.a_scale
-    own = sides or dict.fromkeys((1,) if structure.one_sided else (1, -1), structure)
-    eta = {i: abs(e.eta) for i, e in own.items()}
-    arms = {
-        i: Arm(e.alpha, e.arm * structure.p**2 / structure.gravity)
+    own: dict[int, Edge] = dict(zip((-1, 1), structure.left_and_right, strict=True))
+    if structure.one_sided:
+        del own[-1]
+    known = all(e.arm is not None for e in own.values())
+    edges = {
+        i: equation(structure, e)._replace(
+            eta=abs(e.eta),
+            rise=e.arm * structure.p**2 / structure.gravity
+            if known and e.arm
+            else None,
+        )
         for i, e in own.items()
-        if e.arm is not None
     }
-    arms = arms if len(arms) == len(own) else {}
-    body = None
+    scale, body = structure.alpha / structure.a_scale, None
     if structure.restraints:
-        from .held_body import body_with
+        from .held_body import TiedBody
 
-        body = body_with(
+        body = partial(
+            TiedBody,
             structure.restraints,
             {i: e.p / structure.p for i, e in own.items()},
-            own[1].arm,
-            linear=rates is linear_rates,
+            own[1].arm or math.nan,
+            equation is linear_rates,
         )
-    if sides:
-        return Problem(
-            {i: rates(structure, s) for i, s in sides.items()},
-            scale,
-            eta,
-            arms,
-            body,
-        )
-    return Problem(
-        dict.fromkeys(own, rates(structure, structure)), scale, eta, arms, body
-    )
+    return Problem(edges, scale, body)
