@@ -277,32 +277,34 @@ class Body(NamedTuple):
         return light * (1.0 - edge.kappa * sin * sin) - edge.kappa * push * sin * cos
 
 
-def safe_acceleration(body: Body, edge: int, ratio: float) -> Any:
+def safe_acceleration(body: Body, edge: int, ratio: float, low: bool = False) -> Any:
     """Return the largest ground acceleration [g], times a_scale, of either sign, under
     which a body that does not overturn is proved to keep contact (Fz > 0), a float or
     (cells,). edge: 0 right, 1 left; ratio: the largest |w - 1| over this acceleration,
-    w the weight over m g.
+    w the weight over m g; low: True for a body whose energy stays below the barrier.
     """
     alpha = body.alpha[edge]
     if isinstance(alpha, float):
-        return _safe_acceleration(body, edge, ratio)
+        return _safe_acceleration(body, edge, ratio, low)
     numbers = np.array([alpha, body.kappa[edge], body.damping])
     kinds, which = np.unique(numbers, axis=1, return_inverse=True)
-    return _safe(body, body._edge(*kinds), ratio)[which.ravel()]
+    return _safe(body, body._edge(*kinds), ratio, low)[which.ravel()]
 
 
 @lru_cache(maxsize=4096)
-def _safe_acceleration(body: Body, edge: int, ratio: float) -> float:
-    return float(_safe(body, body.edges[edge], ratio)[0])
+def _safe_acceleration(body: Body, edge: int, ratio: float, low: bool) -> float:
+    return float(_safe(body, body.edges[edge], ratio, low)[0])
 
 
-def _safe(body: Body, edge: Edge, ratio: float) -> Array:
+def _safe(body: Body, edge: Edge, ratio: float, low: bool) -> Array:
     """The largest of `_ACCELERATIONS` for which contact is proved on these edges, 0 if
     there is none, (edges,). A proof holds for all smaller ones too: of every 16th one
     first, then of those between.
     """
     last = _ACCELERATIONS.size - 1
     found = np.full(np.size(edge.alpha), -1)
+    # Below the barrier no body turns farther than alpha, or faster than a fall from it.
+    fastest = np.sqrt(body.fall(edge, edge.alpha)) if low else np.inf
     for step in (16, 1):
         tried = np.minimum(found + step * np.arange(1, 17)[:, None], last)
         push = _ACCELERATIONS[tried]
@@ -311,7 +313,9 @@ def _safe(body: Body, edge: Edge, ratio: float) -> Array:
             # Without overturning u stays below the equilibrium.
             slope = np.where(sway < 1.0, push / (1.0 - sway), np.inf)
             turn = edge.alpha + (slope if body.linear else np.arctan(slope))
-            kept = body.contact_proved(edge, push, turn, sway)
+            if low:
+                turn = np.broadcast_to(edge.alpha, push.shape)
+            kept = body.contact_proved(edge, push, turn, sway, fastest)
         found = found + step * np.logical_and.accumulate(kept).sum(axis=0)
     found = np.minimum(found, last)
     return np.where(found < 0, 0.0, _ACCELERATIONS[np.maximum(found, 0)])

@@ -224,4 +224,24 @@ adds 15 times the largest one that was found to both distances, and the march st
 computes the least amplitude of each stretch.
 Test `tests/envelopes/test_stretches.py::test_what_is_proved_is_what_the_march_finds`,
 `tests/envelopes/test_stretches.py::test_no_path_is_farther_away_than_the_bound`.
+
+# Lemma 16 (nothing of a stretch of amplitudes overturns)
+
+The same bodies, on either of two edges. For the amplitudes of a stretch, the largest of
+which is A, let v be the largest speed at the ground of the energy that one of them has
+at some instant, on its first arc and below the equilibrium. With the c, W, M of Lemma
+9, of this edge and of both, none of them overturns if
+
+    c v + A int |s| dphi/Omega max(c A_1 M/Omega_1) < min(c W)
+
+over what is still to come.
+Proof. Lemma 9 at that instant: the speed at the ground of the energy grows no faster in
+the air than at the ground. Lemma 15 bounds v, and shows that no body has had an impact:
+in the second half as there; in the first half because the least path is the lowest one,
+is above the ground, and once back on it stays below, or because its drive has been
+above 1 so far.
+From that instant on no body turns farther than its alpha, or faster than a body that
+falls from there: with these bounds, and those of Lemma 15 up to that instant, Lemma 13
+shows that contact is kept.
+Test `tests/envelopes/test_stretches.py::test_nothing_overturns_where_it_is_excluded`.
 """

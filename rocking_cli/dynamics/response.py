@@ -119,6 +119,7 @@ def response(
     peaks: bool = True,
     how: str = "arrays",
     pool: int | None = None,
+    kept_to: Array | float | None = None,
 ) -> Response:
     """Largest rotation and outcome of one system under one motion (Eqs. 2.3, 2.4, 2.6,
     3.4).
@@ -147,6 +148,9 @@ def response(
         digits beyond it differ
     pool
         number of lanes advanced together, None for the default
+    kept_to
+        A up to which contact with the ground is proved [-], as
+        `System.safe_amplitude` returns it; None computes it
 
     Returns
     -------
@@ -191,8 +195,10 @@ def response(
         from .tied.tied_march import TiedMarch
 
         return _response(TiedMarch(system.devices, batch).run(), shape, peaks)
-    watched = cells[0] > system.safe_amplitude(motion)
-    return _response(_marched(system, batch, watched, pool=pool), shape, peaks)
+    if kept_to is None:
+        kept_to = system.safe_amplitude(motion)
+    run = _marched(system, batch, cells[0] > kept_to, pool=pool)
+    return _response(run, shape, peaks)
 
 
 def _one_by_one(

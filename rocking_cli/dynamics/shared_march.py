@@ -1,6 +1,8 @@
 """Several structures under one motion, whose cells are marched together."""
 
 from collections.abc import Callable, Hashable, Sequence
+from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -36,6 +38,35 @@ class SharedMarch:
                 for system in self.systems
             ]
         )
+
+    @cached_property
+    def kept_to(self) -> Array:
+        """The amplitude A of each structure up to which contact with the ground is
+        proved [-], (structures,).
+        """
+        return self._of_groups(lambda system: system.safe_amplitude(self.motion))
+
+    @cached_property
+    def kept_while_low(self) -> Array:
+        """As `kept_to`, while the energy stays below the barrier."""
+        return self._of_groups(lambda system: system.safe_amplitude(self.motion, True))
+
+    def supports(self, holds: Callable[[System, Motion], bool]) -> Array:
+        """True for structures for which `holds` is, (structures,)."""
+        return self._of_groups(lambda system: holds(system, self.motion)) > 0.0
+
+    def system_of(self, which: Array) -> System:
+        """Return one system for cells of these structures of one group, (cells,)."""
+        systems = [self.systems[i] for i in which]
+        return System.of_each_cell(systems, [1] * which.size)
+
+    def _of_groups(self, number: Callable[[System], Any]) -> Array:
+        """A number of each structure, (structures,); number: of those of a group."""
+        found = np.empty(self.group.size)
+        for group in np.unique(self.group):
+            at = np.flatnonzero(self.group == group)
+            found[at] = number(self.system_of(at))
+        return found
 
     def response(
         self, which: Array, amplitude: Array, omega: Array, peaks: bool = True
@@ -75,4 +106,12 @@ class SharedMarch:
         systems = [self.systems[i] for i in own]
         system = System.of_each_cell(systems, counts.tolist())
         how = cheaper(system, self.motion, which.size) if own.size == 1 else "arrays"
-        return response(system, self.motion, amplitude, omega, peaks=peaks, how=how)
+        return response(
+            system,
+            self.motion,
+            amplitude,
+            omega,
+            peaks=peaks,
+            how=how,
+            kept_to=self.kept_to[which],
+        )

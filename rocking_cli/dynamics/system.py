@@ -193,13 +193,15 @@ class System(NamedTuple):
         share = self.scale / self.contact.amplitudes(self.equation, np.ones(1))[:, 0]
         return weighed(motion, float(share[0]), float(share[-1]))
 
-    def safe_amplitude(self, motion: Motion) -> Any:
+    def safe_amplitude(self, motion: Motion, low: bool = False) -> Any:
         """Return the amplitude up to which contact with the ground is proved.
 
         Parameters
         ----------
         motion
             the motion of the ground
+        low
+            True for bodies whose energy stays below the barrier
 
         Returns
         -------
@@ -209,7 +211,7 @@ class System(NamedTuple):
         """
         if not motion.largest:
             return math.inf
-        return self._safe_push(motion) / motion.largest
+        return self._safe_push(motion, low) / motion.largest
 
     def safe_amplitudes(self, motions: Sequence[Motion], which: Array) -> Array:
         """Return `safe_amplitude` of cells under several motions.
@@ -230,7 +232,7 @@ class System(NamedTuple):
         with np.errstate(divide="ignore"):
             return np.asarray(self._safe_push(motions[0]) / largest)
 
-    def _safe_push(self, motion: Motion) -> Any:
+    def _safe_push(self, motion: Motion, low: bool = False) -> Any:
         """`safe_amplitude` of a motion of the same vertical part over its largest |s|,
         but with max |s| = 1.
         """
@@ -242,7 +244,7 @@ class System(NamedTuple):
         )
         scales = self.body.a_scale or (1.0,) * len(self.body.alpha)
         safe = [
-            safe_acceleration(self.body, i, sway if not sway else sway / scale) / scale
+            safe_acceleration(self.body, i, sway and sway / scale, low) / scale
             for i, scale in enumerate(scales)
         ]
         return np.minimum.reduce(safe) / self.scale

@@ -37,6 +37,7 @@ SHIFTS = np.array([0.0, *(sign * 10.0**-n for n in (12, 9, 6) for sign in (-1.0,
 _TRACED = 1e-6  # relative width to which boundaries under a record are traced
 _STATED = 1e-4  # relative width of falls that may be missed in the tenth below a fall
 _SCANNED = 0.4  # share of its scan in a search under a record, for the progress
+_PROVED = 20  # rows of a climb from which on proofs below it take less time
 _HALF = 60  # marches after which half of the rest of the search is taken as done
 
 
@@ -173,13 +174,15 @@ def _capacities(searches: Sequence[CapacitySearch]) -> list[Capacity]:
     )
     lifted = demand > uplift * (1.0 + 1e-12)
     body = np.append(bodies[lifted], bodies)
+    low = np.append(uplift[lifted], np.maximum(uplift, demand))
+    high = np.append(demand[lifted], top)
+    if body.size >= _PROVED:
+        from .stretches import proved_to
+
+        low = proved_to(march, body, omega[body], low, high)
     found = lowest_falls(
         march.of_rows(body, omega[body]),
-        Climb(
-            np.append(uplift[lifted], np.maximum(uplift, demand)),
-            np.append(demand[lifted], top),
-            uplift[body],
-        ),
+        Climb(low, high, uplift[body]),
         digits[body],
         finely=looks_finely(motion),
     ).amplitude

@@ -1,11 +1,12 @@
-"""Stretches of amplitudes A with one outcome under one cycle of a sine (Lemma 15).
+"""Stretches of amplitudes A with one outcome under one cycle of a sine (Lemmas 15, 16).
 
 The path of the least amplitude of a stretch and a bound of the distance to those of the
 others decide the outcome of all, if the body has no impact before the shaking ends. The
-scan of an envelope then computes the least amplitude alone.
+scan of an envelope then computes the least amplitude alone. With impacts to come they
+may still exclude that any overturns: the search of a capacity begins above them.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import NamedTuple
 
 import numpy as np
@@ -13,12 +14,19 @@ import numpy as np
 from ..arrays import Array
 from ..dynamics.contacts.contact import FreeMotion, Symmetric, Unequal
 from ..dynamics.equations.rigid_body import RigidBodyEquation
+from ..dynamics.impulse_bound import ImpulseBound
 from ..dynamics.lanes import Lanes
 from ..dynamics.outcome import Outcome
+from ..dynamics.shared_march import SharedMarch
 from ..dynamics.system import System
 from ..motions import Motion, sine
 
 UNKNOWN = int(Outcome.NOT_COMPUTED)
+_SAFE = 1.0 - 1e-9
+# widths in A of the stretches that are tried one above the other: the first and the
+# least one
+_FIRST_TRIED, _LEAST_TRIED = 0.1, 0.008
+_ABOVE_UPLIFT = 1.0 + 2e-9  # over uplift, from which on Lemma 15 is tried
 _SLOWEST = 1.0  # least Omega for which a proof is tried
 # From an Omega on, the number of steps of the integration over half a cycle
 _STEPS = {_SLOWEST: 96, 4.0: 32}
@@ -50,6 +58,19 @@ class _Distance(NamedTuple):
     v: Array  # bound of the distance of y'
 
 
+class _Step(NamedTuple):
+    """The stretches at the end of a step. Every array is (stretches,)."""
+
+    second: bool  # True in the second half of the cycle
+    phase: Array  # of the motion [rad]
+    path: _LeastPath  # of the least amplitude
+    off: _Distance  # of all amplitudes from it
+    highest: Array  # bound of y of all amplitudes up to here
+    fastest: Array  # bound of |y'| of all amplitudes in the step
+    near: Array  # True if |theta - alpha| <= alpha so far
+    clear: Array  # True if the bounds hold, and no body has had an impact
+
+
 class AmplitudeStretches:
     """Stretches of amplitudes, each at one Omega, of one system under a motion."""
 
@@ -60,7 +81,7 @@ class AmplitudeStretches:
         (2, stretches).
         """
         self.system, self.motion = system, motion
-        self.ends = ends
+        self.ends, self.reference = ends, omega
         self.steps = _steps(float(omega.min()))  # over half a cycle
         # The first half cycle lifts the body onto the side against which it pushes.
         self.side = np.full(
@@ -68,8 +89,7 @@ class AmplitudeStretches:
         )
         assert isinstance(system.equation, RigidBodyEquation)
         self.both = system.equation  # of both sides
-        self.equation = self.both.on(self.side)
-        self.safe_to = system.safe_amplitude(motion)  # up to it none loses the ground
+        self.equation = self.both.on(self.side, np.arange(omega.size))
         low, high = (system.contact.cells(system.equation, a, omega) for a in ends)
         at = low.row(self.side), np.arange(omega.size)
         # A over that of uplift onto this side, Omega and eta of this side
@@ -95,41 +115,91 @@ class AmplitudeStretches:
         (stretches,).
         """
         found = np.full(self.omega.size, UNKNOWN, dtype=np.uint8)
-        start = np.arcsin(1.0 / np.maximum(self.least, 1.0))
-        path = self._at_uplift(start)
-        # a bound of y of all bodies so far; y of the path after half a cycle
-        highest, middle = np.zeros(start.size), np.full(start.size, np.inf)
-        growth = np.sqrt(self._rate(1.0, 1.0))
-        steps = self.steps
-        valid = (self.least > 1.0 + 1e-9) & (
-            growth * np.pi <= _LONGEST * steps * self.omega
-        )
-        for half in (0, 1):
-            begin = start if half == 0 else np.full(start.size, np.pi)
-            step = ((half + 1) * np.pi - begin) / steps
-            for n in range(steps):
-                near = highest <= _NEAR * self._top
-                phase = begin + n * step
-                path = self._stepped(path, phase, step, near)
-                off = self._distances(path)
-                highest = np.fmax(highest, self._highest(path, off, step))
-                valid &= ~near | (highest <= _BOUNDED * self._top)
-                clear = np.minimum(np.minimum(middle, path.y), 1.0) > off.y
-                falls = self._certainly_fall(path, off, rises=(half == 0) & near)
-                found[falls & valid & (clear | (half == 0))] = (
-                    Outcome.OVERTURNED_NO_IMPACT
-                )
-            if half == 0:
-                middle = path.y
+        for now in self._followed():
+            rises = now.near & (not now.second)
+            falls = self._certainly_fall(now.path, now.off, rises)
+            found[falls & now.clear] = Outcome.OVERTURNED_NO_IMPACT
 
-        clear = np.minimum(np.minimum(middle, path.y), 1.0) > off.y
-        at = np.flatnonzero((found == UNKNOWN) & valid & clear)
+        at = np.flatnonzero((found == UNKNOWN) & now.clear)
         found[at] = self._after_shaking(
             at,
-            _LeastPath(*(x[at] for x in path)),
-            _Distance(*(x[at] for x in off)),
+            _LeastPath(*(x[at] for x in now.path)),
+            _Distance(*(x[at] for x in now.off)),
         )
         return found
+
+    def cannot_overturn(self, kept: tuple[Array, Array]) -> Array:
+        """True for stretches of which no amplitude overturns or loses contact (Lemma
+        16), (stretches,). kept: A up to which contact is proved, of a body that does
+        not overturn, and of one whose energy stays below the barrier [-].
+        """
+        most, equation = self.ends[1], self.equation
+        cells = self.system.contact.cells(self.both, most, self.reference)
+        bound = ImpulseBound.of(self.both, cells, self.motion.segments)
+        unit = bound.unit[cells.row(self.side), np.arange(most.size)]
+        stands = np.zeros(most.size, dtype=bool)
+        highest, fastest = np.zeros((2, most.size))  # up to the proof
+        for now in self._followed():
+            # Lemma 16: c v, and what is still to come.
+            y, v = now.path.y + now.off.y, np.abs(now.path.v) + now.off.v
+            np.copyto(highest, np.fmax(highest, now.highest), where=~stands)
+            np.copyto(fastest, np.fmax(fastest, now.fastest), where=~stands)
+            below = y <= self._top
+            speed = np.sqrt(2.0 * equation.fall(np.clip(y, 0.0, self._top), v)[1])
+            # int |s| dphi up to the end of the cycle
+            cos = np.cos(now.phase)
+            to_come = 1.0 - cos if now.second else 3.0 + cos
+            proved = unit * speed + bound.growth * to_come < _SAFE * bound.least
+            stands |= proved & now.clear & below
+            if stands.all():
+                break
+        stands &= (most <= kept[0]) | (
+            (most <= kept[1]) & self._keep_contact(highest, fastest)
+        )
+        return stands
+
+    def _keep_contact(self, highest: Array, fastest: Array) -> Array:
+        """True where Lemma 13 holds up to these bounds of y and |y'|."""
+        body, sin = self.system.body, self.equation.sin
+        if body is None:
+            return np.ones(highest.size, dtype=bool)
+        edge = body.on(self.side, np.arange(highest.size))
+        push = self.largest * self.equation.tan
+        return body.contact_proved(edge, push, sin * highest, fastest=sin * fastest)
+
+    def _followed(self) -> Iterator["_Step"]:
+        """Yield the stretches at the uplift of the least amplitude, and at the end of
+        each step over the cycle.
+        """
+        start = np.arcsin(1.0 / np.maximum(self.least, 1.0))
+        path = self._at_uplift(start)
+        off, near = self._distances(path), np.ones(start.size, dtype=bool)
+        growth = np.sqrt(self._rate(1.0, 1.0))
+        valid = (self.least > 1.0 + 1e-9) & (
+            growth * np.pi <= _LONGEST * self.steps * self.omega
+        )
+        # a bound of y of all bodies so far; y of the path after half a cycle
+        highest, middle = off.y, np.full(start.size, np.inf)
+        yield _Step(False, start, path, off, highest, off.v, near, valid)
+        for second, begin in ((False, start), (True, np.full(start.size, np.pi))):
+            step = ((1 + second) * np.pi - begin) / self.steps
+            for n in range(self.steps):
+                near = highest <= _NEAR * self._top
+                path = self._stepped(path, begin + n * step, step, near)
+                off = self._distances(path)
+                highest = np.fmax(highest, self._highest(path, off, step))
+                fastest = np.abs(path.v) + off.v + self._force * step / self.omega
+                valid = valid & (~near | (highest <= _BOUNDED * self._top))
+                phase = begin + (n + 1) * step
+                if second:
+                    clear = np.minimum(np.minimum(middle, path.y), 1.0) > off.y
+                else:
+                    # The least path is the lowest, and rises up to the end of a > 1.
+                    clear = path.y > _ERROR * (1.0 + path.z)
+                    clear |= phase <= np.pi - start
+                clear &= valid
+                yield _Step(second, phase, path, off, highest, fastest, near, clear)
+            middle = path.y
 
     @property
     def _top(self) -> Array | float:
@@ -138,9 +208,13 @@ class AmplitudeStretches:
 
     def _highest(self, path: _LeastPath, off: "_Distance", step: Array) -> Array:
         """A bound of y of all bodies of each stretch in a step that ends here."""
-        force = 1.0 / self.equation.sin + self.largest / self.equation.cos  # >= |y''|
         h = step / self.omega
-        return np.asarray(path.y + off.y + 0.125 * force * h * h)
+        return np.asarray(path.y + off.y + 0.125 * self._force * h * h)
+
+    @property
+    def _force(self) -> Array:
+        """A bound of |y''|."""
+        return np.asarray(1.0 / self.equation.sin + self.largest / self.equation.cos)
 
     def _certainly_fall(
         self, path: _LeastPath, off: "_Distance", rises: Array
@@ -240,7 +314,7 @@ class AmplitudeStretches:
         found[back & np.all(after, axis=0)] = Outcome.OVERTURNED_AFTER_IMPACT
 
         # Lemma 13: up to this amplitude none loses contact with the ground.
-        kept = self.ends[1, at] <= self.safe_to
+        kept = self.ends[1, at] <= self.system.safe_amplitude(self.motion)
         found[back & ~np.any(after, axis=0) & kept] = Outcome.ROCKED
         return found
 
@@ -271,6 +345,35 @@ class AmplitudeStretches:
 def _steps(omega: float) -> int:
     """The number of steps over half a cycle at this Omega, at least `_SLOWEST`."""
     return [n for least, n in _STEPS.items() if least <= omega][-1]
+
+
+def proved_to(
+    march: SharedMarch, which: Array, omega: Array, low: Array, high: Array
+) -> Array:
+    """The amplitude A of each row up to which nothing overturns or loses contact from
+    `low` on, `low` itself without a proof, (rows,). which, omega, low, high: the
+    structure of each row in the march, its Omega, and the ends of its amplitudes,
+    (rows,) each.
+    """
+    reach, width = low * _ABOVE_UPLIFT, np.full(low.size, _FIRST_TRIED)
+    begin = reach.copy()
+    kept = march.kept_to[which], march.kept_while_low[which]
+    tried = (reach < high) & march.supports(AmplitudeStretches.supports)[which]
+    kinds = np.searchsorted(list(_STEPS), omega, side="right")
+    kinds = np.stack([march.group[which], kinds])
+    for kind in np.unique(kinds[:, tried & (kinds[1] > 0)], axis=1).T:
+        going = np.flatnonzero(tried & (kinds == kind[:, None]).all(axis=0))
+        while going.size:
+            ends = np.array([reach[going], reach[going] + width[going]])
+            ends[1] = np.minimum(ends[1], high[going])
+            stretches = AmplitudeStretches(
+                march.system_of(which[going]), march.motion, omega[going], ends
+            )
+            stands = stretches.cannot_overturn((kept[0][going], kept[1][going]))
+            reach[going[stands]] = ends[1, stands]
+            width[going] *= np.where(stands, 1.5, 0.5)
+            going = going[(reach[going] < high[going]) & (width[going] >= _LEAST_TRIED)]
+    return np.where(reach > begin, reach, low)
 
 
 def outcomes_of_stretches(

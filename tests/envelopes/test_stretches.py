@@ -9,13 +9,17 @@ from support.documents import built
 
 from rocking_cli import Outcome, sine, trace_envelope
 from rocking_cli.dynamics.method import Method
-from rocking_cli.envelopes import boundaries
+from rocking_cli.dynamics.outcome import safe
+from rocking_cli.dynamics.shared_march import SharedMarch
+from rocking_cli.envelopes import boundaries, capacity
 from rocking_cli.envelopes.boundaries import Search
+from rocking_cli.envelopes.capacity import CapacitySearch, begun_together
 from rocking_cli.envelopes.stretches import (
     UNKNOWN,
     AmplitudeStretches,
     outcomes_of_stretches,
     proved_outcomes,
+    proved_to,
 )
 
 PILLAR = built("kind: block\nwidth: 0.1\nheight: 2")
@@ -111,3 +115,46 @@ def test_an_envelope_has_the_same_intervals_without_these_proofs(monkeypatch):
         )
     assert found[0] == found[1]
     assert len(found[0]) > 2
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_nothing_overturns_where_it_is_excluded(sign):
+    bodies, omegas = [PILLAR, COLUMN, STOUT, STATUE], [1.3, 3.4, 5.1, 8.0]
+    motion = sine() if sign > 0.0 else sine().scaled(-1.0)
+    march = SharedMarch(motion, bodies, [NONLINEAR] * 4)
+    which, omega = (x.ravel() for x in np.meshgrid(range(4), omegas))
+    uplift = np.array([one.least_uplift(motion) for one in march.systems])[which]
+    high = np.full(omega.size, 6.0)
+    reach = proved_to(march, which, omega, uplift, high)
+    assert np.mean(reach[omega > 3.0] > 1.2 * uplift[omega > 3.0]) > 0.6
+    # also above the amplitudes up to which any body keeps contact
+    assert np.any(reach > march.kept_to[which])
+
+    # Up to there all stand, and from there on a proof is tried again.
+    again = proved_to(march, which, omega, np.minimum(1.1 * reach, high), high)
+    for low, top in ((uplift, reach), (np.minimum(1.1 * reach, high), again)):
+        row = np.repeat(np.flatnonzero(low < top), 50)
+        amplitude = low[row] + (top - low)[row] * np.tile(
+            np.linspace(0.0, 1.0, 50), row.size // 50
+        )
+        found = march.response(which[row], amplitude, omega[row], peaks=False)[1]
+        assert Outcome.FAILED not in found
+        assert np.all(safe(found))
+
+
+def test_capacities_of_a_table_are_the_same_without_these_proofs_and_in_any_order(
+    monkeypatch,
+):
+    random = np.random.default_rng(4)
+    bodies = [
+        built(f"kind: block\nwidth: {width}\nheight: {width * ratio}")
+        for width, ratio in random.uniform([0.3, 3.0], [1.2, 8.0], (12, 2))
+    ]
+    searches = [
+        CapacitySearch(one, sine(), 2.0, 9.0 / one.p, NONLINEAR, 3.0) for one in bodies
+    ]
+    monkeypatch.setattr(capacity, "_PROVED", 2)
+    found = begun_together(searches)
+    assert begun_together(searches[::-1])[::-1] == found
+    assert [one.capacity() for one in searches] == found
+    assert len({one.first for one in found}) > 6
