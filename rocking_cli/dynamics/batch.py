@@ -8,7 +8,8 @@ import numpy as np
 
 from ..arrays import Array
 from ..motions.segments import Segments
-from .contacts.contact import Contact, Uplift, first_uplift
+from .contacts.contact import Contact
+from .contacts.uplift import Uplift, first_uplift
 from .equations.equation import Equation
 from .lanes import Cells, Lanes
 from .system import System

@@ -13,7 +13,8 @@ from ...motions.segments import Segments
 from ..lanes import Lanes
 from .equation import Equation
 from .recurrence import Series
-from .taylor import TaylorSeries, line_flow, order_for, series, series_flow
+from .straight_lines import line_flow
+from .taylor import TaylorSeries, order_for, series, series_flow
 
 SERIES = 1e-12  # tolerance of the series under sinusoids
 

@@ -30,10 +30,10 @@ from ..lanes import Lanes
 from .equation import Equation, falls_by_energy
 from .patches import DEGREE, inverse, largest, tabulate
 from .recurrence import Series, TermRows
+from .straight_lines import line_flow
 from .taylor import (
     MOST_TERMS,
     TaylorSeries,
-    line_flow,
     longest,
     order_for,
     powers,

@@ -18,7 +18,8 @@ from ...structures.parameters import LEAST_ALPHA
 from ..lanes import Lanes
 from .equation import Equation, falls_by_energy
 from .recurrence import Series, product_terms
-from .taylor import TaylorSeries, line_flow, order_for, series, series_flow
+from .straight_lines import line_flow
+from .taylor import TaylorSeries, order_for, series, series_flow
 
 
 class RigidBodyEquation(Equation):

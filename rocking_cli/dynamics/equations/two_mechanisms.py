@@ -16,7 +16,8 @@ from ..lanes import Lanes
 from .equation import Equation
 from .mechanism import MechanismEquation, composed
 from .recurrence import Series, TermRows
-from .taylor import TaylorSeries, line_flow, series_flow
+from .straight_lines import line_flow
+from .taylor import TaylorSeries, series_flow
 
 
 class TwoMechanisms(Equation):

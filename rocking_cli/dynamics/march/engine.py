@@ -27,7 +27,8 @@ from ..condition import (
 from ..contacts.sequences import STILL
 from ..drive import place
 from ..equations.equation import Equation
-from ..equations.taylor import TaylorSeries, weight_series
+from ..equations.straight_lines import weight_series
+from ..equations.taylor import TaylorSeries
 from ..lanes import Lanes
 from ..observers.observer import Arcs, Observer
 from ..outcome import FALLEN, Outcome, Work

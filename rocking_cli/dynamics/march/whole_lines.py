@@ -24,16 +24,15 @@ from ...arrays import Array
 from ..batch import Batch
 from ..condition import in_tolerances, moved, slope_between
 from ..equations.recurrence import Recurrence, motion_terms
-from ..equations.taylor import (
+from ..equations.straight_lines import (
     GROWTH,
-    MOST_TERMS,
-    WITHIN,
     degrees,
     factors_for,
     growth_rate,
     last_terms,
     line_drive,
 )
+from ..equations.taylor import MOST_TERMS, WITHIN
 from ..lanes import Arrays, Lanes
 from ..observers.observer import Observer
 

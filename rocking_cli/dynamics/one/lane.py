@@ -11,7 +11,8 @@ from ...motions.motion import Motion
 from ..batch import SETTLING
 from ..body import Edge
 from ..equations.equation import Equation
-from ..equations.taylor import GROWTH, LONGEST, size_limits
+from ..equations.straight_lines import GROWTH, size_limits
+from ..equations.taylor import LONGEST
 from ..lanes import Cells, Lanes
 from ..system import System
 from .motion_lists import MotionLists
@@ -151,7 +152,7 @@ class Lane:
 
     def size_limits(self, omega: float, growth: float = GROWTH) -> list[float]:
         """Return the largest sizes for which series of degree 3, 4 ... hold over the
-        longest line (`taylor.size_limits`); growth: rate of the motion [1/tau].
+        longest line (`straight_lines.size_limits`); growth: rate of the motion [1/tau].
         """
         unit = min(self.longest / omega, LONGEST)
         return size_limits(unit, self.system.equation.tolerance, growth)

@@ -8,7 +8,8 @@ import numpy as np
 
 from ...arrays import Array
 from ...motions.segments import Segments
-from ..equations.taylor import LONGEST, growth_rate, size_limits
+from ..equations.straight_lines import growth_rate, size_limits
+from ..equations.taylor import LONGEST
 from ..system import System
 from ..tied.bounces import Bounces
 from ..tied.devices import Branch, Devices

@@ -26,6 +26,7 @@ from ..equations import taylor
 from ..equations.equation import Equation, Instant
 from ..equations.recurrence import Series, product_term, product_terms
 from ..equations.rigid_body import RigidBodyEquation
+from ..equations.straight_lines import growth_rate, line_flow
 from ..equations.taylor import TaylorSeries
 from ..lanes import Lanes
 from ..march.one_turn import error_of, one_turn_step
@@ -124,9 +125,7 @@ class Law:
         lanes.force = np.where(exact, 0.0, force)
         stiffness = self.devices.linear_terms(row, now)[1]
         if self.of_lines:
-            return taylor.line_flow(
-                held, segments, lanes, taylor.growth_rate(stiffness)
-            )
+            return line_flow(held, segments, lanes, growth_rate(stiffness))
         rate = 1.0 + np.sqrt(stiffness)
         terms, fastest = taylor.series_flow(held, segments, lanes, self.order, rate)
         return taylor.series(terms, fastest, self.tolerance, equation.damping)

@@ -42,7 +42,7 @@ from ..batch import Batch
 from ..condition import rows, through_impact
 from ..contacts.contact import OneSided
 from ..drive import place
-from ..equations.taylor import weight_series
+from ..equations.straight_lines import weight_series
 from ..lanes import Cells
 from ..observers.contact_watch import ContactWatch
 from ..observers.observer import Arcs, Observer

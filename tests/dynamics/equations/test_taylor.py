@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from rocking_cli.dynamics.equations import taylor
+from rocking_cli.dynamics.equations import straight_lines, taylor
 
 EPS = np.finfo(float).eps
 
@@ -36,9 +36,9 @@ def test_tolerances_without_sense_are_refused(tolerance):
 
 @pytest.mark.parametrize("unit", [1e-3, 0.05, 0.7])
 def test_the_largest_sizes_of_a_degree_are_those_at_which_another_term_is_needed(unit):
-    limits = np.array(taylor.size_limits(unit, 1e-9))
+    limits = np.array(straight_lines.size_limits(unit, 1e-9))
     for factor, more in ((1.0 - 1e-9, 0), (1.0 + 1e-9, 1)):
-        needed = taylor.degrees(
+        needed = straight_lines.degrees(
             factor * limits[:-1], np.full(limits.size - 1, unit), 1e-9
         )
         np.testing.assert_array_equal(needed, np.arange(3, limits.size + 2) + more)
