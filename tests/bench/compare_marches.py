@@ -383,6 +383,9 @@ def main() -> None:
         if not a.size:
             continue
         codes, ratios = other.answers(number - 1, 1e-9, a, row)
+        if np.all(codes == Outcome.FAILED) and not np.all(code == Outcome.FAILED):
+            listed[f"scenes that {other.name} refuses"] += 1
+            continue
         counts[
             re.sub(" under .*", "", one.name)
             + " "

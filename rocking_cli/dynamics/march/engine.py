@@ -15,15 +15,7 @@ import numpy as np
 
 from ...arrays import Array
 from ..batch import Batch, cannot_return
-from ..condition import (
-    at_free_peak,
-    in_tolerances,
-    lifted_at_once,
-    moved,
-    rows,
-    slope_between,
-    through_impact,
-)
+from ..condition import lifted_at_once, rows, through_impact
 from ..contacts.sequences import STILL
 from ..drive import place
 from ..equations.equation import Equation
@@ -32,6 +24,7 @@ from ..equations.taylor import TaylorSeries
 from ..lanes import Lanes
 from ..observers.observer import Arcs, Observer
 from ..outcome import FALLEN, Outcome, Work
+from .carried import carry_errors, carry_free_peaks
 from .one_turn import StepResult, advance
 from .proofs import FREE_MOTION, LaneProof, Proved, free_motion, proofs_of
 
@@ -247,7 +240,7 @@ class Run:
         self.overturn(lanes, fallen)
         ended[fallen] = True
         if batch.peaks:
-            self._carry_errors(lanes, step, equation)
+            carry_errors(batch, lanes, step, equation)
         np.maximum(lanes.peak, step.top, out=lanes.peak)
         if self.observers:
             self._show(lanes, step, ~ended)
@@ -277,35 +270,6 @@ class Run:
             ended[here] = True
             ended[self.end_free_fall(lanes.take(here)).slot] = False
         return ended
-
-    def _carry_errors(self, lanes: Lanes, step: StepResult, equation: Equation) -> None:
-        """Carry the moments of the errors to the ends of the steps, and to their peaks
-        where these are the largest so far.
-        """
-        y, v = np.where(step.hit, 0.0, step.end.y), step.end.v.copy()
-        np.copyto(v, step.impact_v, where=step.hit)
-        ends, h = ((lanes.y, lanes.v), (y, v)), step.reach
-        slope, damping = (
-            np.broadcast_to(x, h.shape)
-            for x in (slope_between(equation, *ends, h), equation.damping)
-        )
-        error = in_tolerances(step.error, equation.error_unit)
-        at = np.flatnonzero(step.top >= lanes.peak)
-        if at.size:
-            before = lanes.moments.take(at, axis=1)
-            moment = moved(before, step.top_at[at], slope[at], damping[at], error[at])[
-                0
-            ]
-            self._keep_moment(lanes, at, step.top[at], moment)
-        lanes.moments[:3] = moved(lanes.moments, h, slope, damping, error)
-
-    def _keep_moment(self, lanes: Lanes, at: Array, y: Array, moment: Array) -> None:
-        """Store the second moment of |theta|/alpha at peaks y of the lanes `at`, from
-        that of y.
-        """
-        equation = self.batch.equation.on(lanes.side[at], lanes.cell[at])
-        rate = equation.rotation_rate(y, np.ones(at.size))
-        lanes.moments[3, at] = rate * rate * moment
 
     def _show(self, lanes: Lanes, step: StepResult, wanted: Array) -> None:
         """Show the steps to the observers; wanted: True for lanes that are still
@@ -457,27 +421,11 @@ class Run:
             for observer in self.observers:
                 observer.free(upright)
         if proof.still and self.batch.peaks:
-            self._keep_free_peaks(lanes, at, np.broadcast_to(peak, at.shape))
+            carry_free_peaks(self.batch, lanes, at, np.broadcast_to(peak, at.shape))
         self.finish(lanes, at, outcome, peak)
         if proof.counts:
             setattr(self.work, proof.counts, getattr(self.work, proof.counts) + at.size)
         return at
-
-    def _keep_free_peaks(self, lanes: Lanes, at: Array, peak: Array) -> None:
-        """Take the peaks of free motions into the moments of the lanes `at`."""
-        batch, higher = self.batch, np.flatnonzero(peak > lanes.peak[at])
-        at = at[higher]
-        if not at.size:
-            return
-
-        def peak_of(y: Array, v: Array) -> Array:
-            return batch.contact.free_motion(batch.equation, lanes, at, y, v).peak
-
-        y, v, top = lanes.y[at], lanes.v[at], peak[higher]
-        here = batch.equation.on(lanes.side[at], lanes.cell[at])
-        state = y, v, here.force(y, np.zeros(at.size))
-        moments = lanes.moments[:3].take(at, axis=1)
-        self._keep_moment(lanes, at, top, at_free_peak(moments, state, top, peak_of))
 
     def overturn(self, lanes: Lanes, at: Array) -> None:
         """Finish the lanes `at` as overturned."""

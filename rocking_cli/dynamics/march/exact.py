@@ -119,12 +119,23 @@ def exact_step(
     sense = np.where(falls, 1.0, -1.0)
     z, rate = sense * arc.v, sense * arc.b
     starts = on | (z > 0.0) | ((z == 0.0) & (rate > 0.0))
-    ends = sense * end.v > 0.0
-    open_ = np.flatnonzero(~(starts | ends) & (rate > 0.0))
-    for _ in range(_HALVINGS if open_.size else 0):
-        # z < 0 at both ends: below its tangents, unless it is positive in between.
+    hidden = np.flatnonzero(~(starts | (sense * end.v > 0.0)) & (rate > 0.0))
+    if hidden.size:
+        _end_before_hidden_turns(arc, hidden, sense, h, end)
+    turns = starts != (sense * end.v > 0.0)
+    outward = np.where(falls, starts, ~starts)
+    return ExactStep(h, end, following + 1, h == left, outward, turns)
+
+
+def _end_before_hidden_turns(
+    arc: LinearFlow, open_: Array, sense: Array, h: Array, end: Instant
+) -> None:
+    """Halve the steps h of the lanes `open_`, which have z < 0 at both ends, until z is
+    positive at the end or its tangents prove that it is nowhere positive.
+    """
+    for _ in range(_HALVINGS):
         own = sense[open_]
-        first, slope = -z[open_] / rate[open_], own * end.b[open_]
+        first, slope = -arc.v[open_] / arc.b[open_], own * end.b[open_]
         with np.errstate(all="ignore"):
             last = np.where(slope < 0.0, h[open_] - own * end.v[open_] / slope, -np.inf)
         open_ = open_[last >= first]
@@ -134,10 +145,7 @@ def exact_step(
         part = arc.take(open_).at(h[open_])
         for whole, some in zip(end, part, strict=True):
             whole[open_] = some
-        ends[open_] = up = sense[open_] * part.v > 0.0
-        open_ = open_[~up]
-    outward = np.where(falls, starts, ~starts)
-    return ExactStep(h, end, following + 1, h == left, outward, starts != ends)
+        open_ = open_[~(sense[open_] * part.v > 0.0)]
 
 
 def root(
@@ -159,18 +167,13 @@ def root(
         target, size = h + step, np.abs(step)
         inside = falling & (target >= low) & (target <= high)
         settled = inside & (size <= close * h) & (size * arc.fastest <= close)
-        scale = f.v if turning is None else f.b
-        change = f.b if turning is None else f.j
+        scale, change = (f.v, f.b) if turning is None else (f.b, f.j)
         settled &= size * np.abs(change) <= close * np.abs(scale)
         settled |= falling & (size <= 4e-16 * h) | (high - low <= 4e-16 * high)
         done = np.flatnonzero(settled)
         if done.size:
-            d = np.where(inside[done], step[done], 0.0)
-            at, (y, v, b, j) = lanes[done], (x[done] for x in f)
-            # The series about h takes the state over the last step.
-            found[0, at] = h[done] + d
-            found[1, at] = y + d * (v + d * (0.5 * b + d * j / 6.0))
-            found[2, at] = v + d * (b + 0.5 * d * j)
+            last = np.where(inside, step, 0.0)
+            found[:, lanes[done]] = _after(f, h, last)[:, done]
             keep = np.flatnonzero(~settled)
             if not keep.size:
                 break
@@ -179,6 +182,17 @@ def root(
             turning = None if turning is None else turning[keep]
         h = np.where(inside, target, 0.5 * (low + high))
     return found[0], found[1], found[2]
+
+
+def _after(f: Instant, h: Array, step: Array) -> Array:
+    """(h, y and y') after a short step from the states f at h, by the series there."""
+    return np.array(
+        [
+            h + step,
+            f.y + step * (f.v + step * (0.5 * f.b + step * f.j / 6.0)),
+            f.v + step * (f.b + 0.5 * step * f.j),
+        ]
+    )
 
 
 def _householder(f: Instant, turning: Array | None) -> tuple[Array, Array, Array]:

@@ -92,18 +92,6 @@ class CutStep(NamedTuple):
         return CutStep(*(np.where(lanes, np.zeros((), x.dtype), x) for x in self))
 
 
-class StepEnds(NamedTuple):
-    """What happens at the ends of steps. Every array is (lanes,)."""
-
-    up: Array  # True if y has come to the upper end of the branch of the restraints
-    # True if y has come to the lower end of the branch; the ground is a lower end
-    down: Array
-    peaked: Array  # True if y had a peak in the step
-    bottom: Array  # True if the body turns outwards again
-    top: Array  # y of the peak, in the unit of the side
-    still: Array  # True if the shaking is over
-
-
 @dataclass(frozen=True)
 class Found:
     """Results of cells."""

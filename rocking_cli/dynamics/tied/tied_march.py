@@ -50,9 +50,9 @@ from ..outcome import FALLEN, Outcome
 from .bounces import Bounces
 from .carried import carry_step, carry_through_break, keep_yield_error
 from .cuts import cut
-from .devices import Devices
+from .devices import Branch, Devices
 from .series import HeldBody, Law, Step, one_turn
-from .tied_lanes import Found, OnBranch, StepEnds, TiedLanes
+from .tied_lanes import CutStep, Found, OnBranch, TiedLanes
 from .tied_lines import LEAST_LINES, TiedLines
 from .transitions import Transitions
 
@@ -229,24 +229,27 @@ class TiedMarch:
         held = HeldBody.of(equation, self.devices, row, now)
         carry_step(lanes, held, step, ended, touch)
 
-        # The state and the position at the end; at the end of the closed form the next
-        # one begins.
-        at_end = ended.up | ended.down
-        over = (ended.reach >= whole) & ~at_end
+        over = (ended.reach >= whole) & ~(ended.up | ended.down)
+        self._go_on(lanes, ended, over, still)
+        return self._events(lanes, branch, ended, k >= self.shaken)
+
+    def _go_on(
+        self, lanes: TiedLanes, ended: CutStep, over: Array, still: Array
+    ) -> None:
+        """Put lanes at the ends of their steps; over: True where the closed form of the
+        motion ends there and the next one begins; still: True for bodies that have not
+        moved, which rest until the next segment.
+        """
+        k = lanes.segment
         lanes.y, lanes.v = ended.y, ended.v
         lanes.segment, lanes.phase = place(
-            seg,
-            np.where(over, seg.after_piece(k), k),
+            self.segments,
+            np.where(over, self.segments.after_piece(k), k),
             np.where(over, 0.0, lanes.phase + lanes.omega * ended.reach),
         )
         lanes.segment[still], lanes.phase[still] = k[still] + 1, 0.0
         lanes.rests |= still
         lanes.exact[:] = False
-        bottom = (ended.v == 0.0) & ~ended.peaked & ~at_end
-        ends = StepEnds(
-            ended.up, ended.down, ended.peaked, bottom, ended.top, k >= self.shaken
-        )
-        return self._events(lanes, branch, ends)
 
     def _show(
         self, lanes: TiedLanes, step: Step, reach: Array, branch: OnBranch
@@ -259,56 +262,37 @@ class TiedMarch:
         for observer in self.observers:
             observer.arcs(arcs)
 
-    def _events(self, lanes: TiedLanes, branch: OnBranch, ends: StepEnds) -> TiedLanes:
+    def _events(
+        self, lanes: TiedLanes, branch: OnBranch, ended: CutStep, still: Array
+    ) -> TiedLanes:
         """Apply the events at step ends: a peak on the way, an end of a branch, an
-        impact, a turn. Returns the lanes that go on.
+        impact, a turn; still: True for lanes whose step began on still ground. Returns
+        the lanes that go on.
         """
         # A body that passes the limit of y has fallen; one that comes to 0 strikes.
         row, now, _, high, limit = branch
-        on_side = row % self.devices.sides
-        fallen, hit = ends.up & (high >= limit), ends.down & (lanes.y <= 0.0)
+        fallen, hit = ended.up & (high >= limit), ended.down & (lanes.y <= 0.0)
         self.transitions.stretch(
-            lanes, np.flatnonzero(ends.peaked | ends.up), row, ends.top
+            lanes, np.flatnonzero(ended.peaked | ended.up), row, ended.top
         )
-        peaked = np.flatnonzero(ends.peaked)
-        if peaked.size:
-            lanes.peak[peaked] = np.maximum(lanes.peak[peaked], ends.top[peaked])
-            still = peaked[ends.still[peaked]]
-            here = 1 << on_side[still]
-            lanes.turned[still] |= here | (lanes.turned[still] & here) << 2
-            yields = peaked[now.yields[peaked]]
-            keep_yield_error(lanes, yields)
-            self.transitions.unload(lanes, yields, row)
-        # Devices whose branch ends here change to the next one.
-        for at, limits, sign in (
-            (np.flatnonzero(ends.up & ~fallen), now.high, 1.0),
-            (np.flatnonzero(ends.down & ~hit), now.low, -1.0),
-        ):
-            if at.size:
-                broken = self.transitions.pass_end(lanes, at, row, limits, sign)
-                if broken.size:
-                    after = self._branch(lanes).now.take(broken)
-                    carry_through_break(
-                        lanes,
-                        broken,
-                        self.devices,
-                        row[broken],
-                        now.take(broken),
-                        after,
-                    )
+        self._apply_peaks(lanes, row, now.yields, ended, still)
+        self._pass_ends(lanes, np.flatnonzero(ended.up & ~fallen), row, now, 1.0)
+        self._pass_ends(lanes, np.flatnonzero(ended.down & ~hit), row, now, -1.0)
         # A body that turned inwards on still ground and turns outwards again above the
         # ground comes to rest there: its restraints hold it.
-        leans = ends.bottom & ((lanes.turned >> (on_side + self.again)) & 1 > 0)
+        bottom = (ended.v == 0.0) & ~(ended.peaked | ended.up | ended.down)
+        again = row % self.devices.sides + self.again
+        leans = bottom & ((lanes.turned >> again) & 1 > 0)
         falls = fallen | self._certain(lanes, branch)
         failed = (lanes.steps > self.most) | ~np.isfinite(lanes.y + lanes.v)
         impacts = np.flatnonzero(hit)
-        ended = np.zeros(lanes.cell.size, dtype=bool)
+        rocked = np.zeros(lanes.cell.size, dtype=bool)
         if impacts.size:
-            ended = self._apply_impacts(lanes, impacts, row)
+            rocked = self._apply_impacts(lanes, impacts, row)
         # The outcome, 0 while it is open. Later lines outweigh earlier ones.
         outcome = np.where(falls, _overturned(lanes), 0)
         outcome = np.where(
-            leans, Outcome.LEANING, np.where(ended, Outcome.ROCKED, outcome)
+            leans, Outcome.LEANING, np.where(rocked, Outcome.ROCKED, outcome)
         )
         outcome = self._without_ground(lanes, outcome)
         outcome = np.where(failed, Outcome.FAILED, outcome)
@@ -316,6 +300,42 @@ class TiedMarch:
             self.transitions.stretch(lanes, np.flatnonzero(falls), row, lanes.y)
         lanes = self._finish(lanes, np.flatnonzero(outcome), outcome)
         return self._from_rest(lanes, np.flatnonzero(lanes.rests))
+
+    def _apply_peaks(
+        self,
+        lanes: TiedLanes,
+        row: Array,
+        yields: Array,
+        ended: CutStep,
+        still: Array,
+    ) -> None:
+        """Record the peaks on the way: bodies have turned back, and restraints that
+        yield unload.
+        """
+        at = np.flatnonzero(ended.peaked)
+        if not at.size:
+            return
+        lanes.peak[at] = np.maximum(lanes.peak[at], ended.top[at])
+        turned = at[still[at]]
+        here = 1 << row[turned] % self.devices.sides
+        lanes.turned[turned] |= here | (lanes.turned[turned] & here) << 2
+        at = at[yields[at]]
+        keep_yield_error(lanes, at)
+        self.transitions.unload(lanes, at, row)
+
+    def _pass_ends(
+        self, lanes: TiedLanes, at: Array, row: Array, now: Branch, sign: float
+    ) -> None:
+        """Move devices of the lanes `at`, whose branch ends there, to the next one;
+        sign: 1 for its upper end, -1 for its lower end.
+        """
+        if not at.size:
+            return
+        limits = now.high if sign > 0.0 else now.low
+        broken = self.transitions.pass_end(lanes, at, row, limits, sign)
+        if broken.size:
+            before, after = now.take(broken), self._branch(lanes).now.take(broken)
+            carry_through_break(lanes, broken, self.devices, row[broken], before, after)
 
     def _certain(self, lanes: TiedLanes, branch: OnBranch) -> Array:
         """True for lanes that no later drive can turn back."""
