@@ -6,7 +6,7 @@ import click
 
 from . import equations, ground, options
 from .command import command, group, option
-from .printing import computed, emit, note, printed
+from .printing import detail, emit, note, printed
 
 
 @dataclass(frozen=True)
@@ -68,8 +68,8 @@ def accuracy(
     note(*stuck_in_words(structures))
     structures = [replace(s, friction=None, kinetic_friction=None) for s in structures]
     methods = model.methods(structures, grid.dimensionless)
-    note(*model.in_words(methods, structures, grid.dimensionless))
-    note(
+    detail(*model.in_words(methods, structures, grid.dimensionless))
+    detail(
         f"{structures[0].name}, {motion.name}; {wanted.sample} cells, seed"
         f" {wanted.seed}; times in s a cell"
     )
@@ -77,4 +77,4 @@ def accuracy(
     rows = work_precision(
         scene, sample=wanted.sample, scipy=wanted.scipy, seed=wanted.seed
     )
-    emit(computed(rows), keys=("method", "tolerance"))
+    emit(rows)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -15,14 +16,14 @@ from .draws import DrawnRows, Draws, note_one_demand, require_spreads
 from .parameter_types import NUMBER, InputPath
 from .printing import (
     chosen_columns,
-    computed,
+    detail,
     emit,
-    form,
     is_quiet,
     note,
     printed,
     require_columns,
     units_of,
+    wants_details,
 )
 from .progress import ProgressLine
 
@@ -152,9 +153,8 @@ def check(
         from ..motions.buildings import parse_building
 
         by_code.stand_on(parse_building(asked.building))
-    require_columns(
-        known_columns(stated, wanted, by_code is not None, drawn.draws is not None)
-    )
+    known = known_columns(stated, wanted, by_code is not None, drawn.draws is not None)
+    require_columns(known)
     if wanted.output is not None:
         options.check_target(wanted.output, wanted.overwrite)
     if by_code and of_code.spectrum and not stated.shakes:
@@ -175,7 +175,7 @@ def check(
     if drawn.draws is not None and (ranged := demands.ranged):
         note_one_demand(ranged)
     rows: list[dict[str, Any]] = []
-    judged = _judge_and_print(demands, wanted, by_code, of_draws, rows)
+    judged = _judge_and_print(demands, wanted, by_code, of_draws, rows, known)
     if wanted.vary and wanted.output is not None and by_code is None:
         options.draw_figure(rows, wanted.output, wanted.overwrite)
     else:
@@ -184,7 +184,8 @@ def check(
     opposite = opposite_outcomes(demands)
     demand.note_demand(demands.shakes)
     demand.note_governing(demands.structures, demands.shakes[0][1].dimensionless)
-    note(*of_draws.said, *_lines(judged, demands, wanted, by_code, opposite, of_draws))
+    note(*of_draws.said, *_lines(judged, demands, by_code, opposite, of_draws))
+    _search_remarks(judged, demands, wanted)
     outcomes = [*(v.outcome for v in judged), *(outcome for _, outcome in opposite)]
     partly(Outcome.FAILED in outcomes)
     if wanted.fail_on and any(outcome.falls for outcome in outcomes):
@@ -246,13 +247,15 @@ def _judge_and_print(
     by_code: CodeRows | None,
     of_draws: DrawnRows,
     kept: list[dict[str, Any]],
+    known: list[str],
 ) -> list[Verdict]:
-    """Print a row for each demand and return the verdicts: JSON and CSV as soon as each
-    is known, a table when all are; kept: gets the rows of a figure.
+    """Print a row for each demand and return the verdicts: JSON, CSV and long tables as
+    soon as each is known, a table when all are; kept: gets the rows of a figure; known:
+    the columns that a call may have.
     """
     from ..responses.check import verdicts
-    from ..responses.verdict import CHECK_COLUMNS, CHECK_KEYS
-    from .check_rows import UNSEEN, later_columns, row_of
+    from ..responses.verdict import CHECK_COLUMNS
+    from .check_rows import ASKED, later_columns, row_of, unseen_columns
 
     found: Iterable[tuple[Verdict, Demand]] = zip(
         verdicts(
@@ -266,8 +269,6 @@ def _judge_and_print(
         demands.rows,
         strict=True,
     )
-    if wanted.sort is not None or form() is None:
-        found = list(found)
     if wanted.sort is not None:
         from ..reports.wording import capacity_left
 
@@ -288,11 +289,11 @@ def _judge_and_print(
 
     units = "g,mm,deg" if _in_g(demands.asked) else "mm,deg"
     emit(
-        computed(rows()),
+        rows(),
         CHECK_COLUMNS,
-        keys=CHECK_KEYS,
         table_units=units,
-        unseen=UNSEEN,
+        unseen=unseen_columns(known, chain.from_iterable(demands.varied.values())),
+        above=("motion", "demand_a", *ASKED),
         varied=demands.varied,
     )
     return judged
@@ -305,7 +306,7 @@ def _forces_wanted(rows: int) -> bool:
     asked = {"friction_needed", "fz_min"}.intersection(chosen_columns())
     if rows < _LONG_TABLE or asked:
         return True
-    note(
+    detail(
         f"friction_needed and fz_min are not computed of {_LONG_TABLE} rows or more;"
         " --columns friction_needed,fz_min asks for them"
     )
@@ -333,43 +334,55 @@ def _draw(
 def _lines(
     judged: list[Verdict],
     demands: Demands,
-    wanted: CheckOptions,
     by_code: CodeRows | None,
     opposite: list[tuple[str, Outcome]],
     of_draws: DrawnRows,
 ) -> Iterator[str]:
-    """Yield the lines below the rows, none with --quiet."""
+    """Yield the lines below the rows that change a decision, none with --quiet."""
     if is_quiet():
         return
-    from ..responses.inset import may_be_worn
-    from .check_remarks import (
-        inset_effects,
-        narrow_intervals,
-        remarks,
-        worst_at_an_end,
-    )
+    from .check_remarks import remarks, worst_at_an_end
 
     yield from remarks(judged, of_means=bool(of_draws.said))
-    if demands.ranged:
-        from ..reports.wording import range_in_words
-
-        yield range_in_words(demands.ranged, wanted.limit is not None)
-    yield from worst_at_an_end(demands, judged, _in_g(demands.asked))
+    yield from worst_at_an_end(demands, judged)
     yield from by_code.said() if by_code else ()
     if opposite:
         from ..reports.wording import opposite_in_words
 
         yield opposite_in_words(opposite)
+
+
+def _search_remarks(
+    judged: list[Verdict], demands: Demands, wanted: CheckOptions
+) -> None:
+    """Print what is to be said of the search, and what worn edges would take."""
+    from ..responses.inset import may_be_worn
+    from .check_remarks import (
+        devices_of,
+        inset_effects,
+        narrow_intervals,
+        without_worst,
+    )
+
     limit = wanted.limit
+    if wanted.inset_effect and limit is not None and not is_quiet():
+        note(*inset_effects(judged, demands, limit))
+    if not wants_details():
+        return
+    if demands.ranged:
+        from ..reports.wording import range_in_words
+
+        detail(range_in_words(demands.ranged, limit is not None))
+    detail(*without_worst(demands, judged))
+    for v in judged:
+        detail(*(f"{v.structure}: {line}" for line in devices_of(v) if v.devices))
     if limit is None:
         return
-    if wanted.inset_effect:
-        yield from inset_effects(judged, demands, limit)
-    elif may_be_worn(judged, demands.rows):
-        yield (
+    if not wanted.inset_effect and may_be_worn(judged, demands.rows):
+        detail(
             "worn or rounded edges lower the capacity: --inset-effect shows by how much"
         )
-    yield narrow_intervals(demands.shakes)
+    detail(narrow_intervals(demands.shakes))
 
 
 def _in_g(asked: demand.Directed) -> bool:

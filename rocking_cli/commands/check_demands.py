@@ -14,7 +14,7 @@ import click
 from . import options
 from .demand import Directed
 from .ground import Ground, no_shaking
-from .printing import note
+from .printing import detail, note
 from .progress import ProgressLine
 
 if TYPE_CHECKING:
@@ -141,7 +141,9 @@ def _at_worst_azimuth(
         progress=line,
     )
     if both := [s.name for s in demands.structures if has_direction(s)]:
-        note(f"both signs of each azimuth, because the sides differ: {', '.join(both)}")
+        detail(
+            f"both signs of each azimuth, because the sides differ: {', '.join(both)}"
+        )
     ranges = {structure.name: one for (structure, _, _), one in directed}
     worst = {name: one.columns["azimuth"] for name, one in ranges.items()}
     _note_end_of_span(azimuths, worst)
@@ -242,7 +244,7 @@ def _reversed(
     if not sided:
         return
     names = ", ".join(structure.name for structure, _, _ in sided)
-    note(f"the worse of both directions, because the sides differ: {names}")
+    detail(f"the worse of both directions, because the sides differ: {names}")
     bodies, opposite = [s for s, _, _ in sided], sided[0][1].scaled(-1.0)
     assert demands.up_to is not None  # a range is stated
     low = demands.shakes[0][1]

@@ -49,13 +49,8 @@ def remarks(verdicts: list[Verdict], *, of_means: bool = False) -> list[str]:
             lines.append(f"{words}: {listed(names_of)}")
     lines += sliding_remarks(verdicts, named)
     for v in verdicts:
-        if v.devices:
-            from ..reports.device_words import devices_in_words
-
-            of_devices = devices_in_words(
-                v.devices, v.first_overturning_a, v.first_overturning_a_free
-            )
-            lines += [f"{named([v])[0]}: {line}" for line in of_devices]
+        if any(device["state"] != "elastic" for device in v.devices):
+            lines += [f"{named([v])[0]}: {line}" for line in devices_of(v)]
     if any(v.share_of_falls for v in verdicts):
         lines.append(
             "falls_nearby: this share of the amplitudes up to 5 % above"
@@ -63,6 +58,15 @@ def remarks(verdicts: list[Verdict], *, of_means: bool = False) -> list[str]:
             " may begin below it"
         )
     return lines
+
+
+def devices_of(v: Verdict) -> list[str]:
+    """Return the sentences on the ties and tendon of a body."""
+    from ..reports.device_words import devices_in_words
+
+    return devices_in_words(
+        v.devices, v.first_overturning_a, v.first_overturning_a_free
+    )
 
 
 def _conditions() -> list[tuple[str, Callable[[Verdict], Any]]]:
@@ -142,24 +146,14 @@ def sliding_remarks(
     return lines
 
 
-def worst_at_an_end(
-    demands: Demands, verdicts: Sequence[Verdict], in_g: bool
-) -> Iterator[str]:
+def worst_at_an_end(demands: Demands, verdicts: Sequence[Verdict]) -> Iterator[str]:
     """Yield a line for each end of the range of frequencies at which structures are
-    worst, and one on structures that have no worst frequency.
+    worst.
     """
     if not demands.worst:
         return
     from ..envelopes.worst import beyond_the_end
 
-    unmoved = [
-        v.structure for v in verdicts if demands.worst[v.structure].frequency is None
-    ]
-    if unmoved:
-        yield (
-            "no worst frequency, because the demand lifts them at none:"
-            f" {listed(unmoved)}"
-        )
     if slid := [v.structure for v in verdicts if v.slide is not None]:
         yield (
             "slide furthest at the lowest frequency of the range, and further under"
@@ -183,9 +177,23 @@ def worst_at_an_end(
         frequency = demands.worst[found[0][0].name].frequency
         where = f"worst at the {end} end of the range, {frequency:.4g} Hz"
         if len(found) == 1:
-            yield _at_the_end(where, other, *found[0], in_g)
+            yield _at_the_end(where, other, *found[0])
         else:
             yield _several_at_the_end(where, other, found, len(verdicts))
+
+
+def without_worst(demands: Demands, verdicts: Sequence[Verdict]) -> Iterator[str]:
+    """Yield a line on the structures that have no worst frequency."""
+    unmoved = [
+        v.structure
+        for v in verdicts
+        if demands.worst and demands.worst[v.structure].frequency is None
+    ]
+    if unmoved:
+        yield (
+            "no worst frequency, because the demand lifts them at none:"
+            f" {listed(unmoved)}"
+        )
 
 
 def _at_the_end(
@@ -194,7 +202,6 @@ def _at_the_end(
     structure: RockingParameters,
     verdict: Verdict,
     beyond: BeyondTheEnd,
-    in_g: bool,
 ) -> str:
     """Return the line on one structure that is worst at an end; other: slower or
     faster.
@@ -220,16 +227,7 @@ def _at_the_end(
             f"no {other} motion that was tried, to {beyond.last:.3g} Hz, overturns it"
             " or rocks it further"
         )
-    line = f"{structure.name}: {where}; {said}"
-    if verdict.uplift_a is None:
-        return line
-    from ..documents.quantities import DEFAULT_GRAVITY
-
-    unit, name = (DEFAULT_GRAVITY, "g") if in_g else (1.0, "m/s2")
-    return (
-        f"{line}. It lifts at {verdict.uplift_a / unit:.3g} {name} whatever the"
-        " frequency"
-    )
+    return f"{structure.name}: {where}; {said}"
 
 
 def _several_at_the_end(
@@ -239,7 +237,6 @@ def _several_at_the_end(
     rows: int,
 ) -> str:
     """Return the line on several structures that are worst at an end."""
-    from ..dynamics.outcome import Outcome
 
     standing = [(s, beyond) for s, v, beyond in found if not v.outcome.falls]
     falling = [
@@ -260,11 +257,7 @@ def _several_at_the_end(
             f"no {other} motion that was tried, to {last:.3g} Hz, overturns those that"
             " stand here"
         )
-    unmoved = sum(v.outcome == Outcome.NO_UPLIFT for _, v, _ in found)
-    lifts = "Each lifts at one amplitude whatever the frequency"
-    if unmoved:
-        lifts += f": the demand lifts {unmoved} of them at no frequency"
-    return f"{where}: {len(found)} of {rows} structures; {said}. {lifts}"
+    return f"{where}: {len(found)} of {rows} structures; {said}"
 
 
 def narrow_intervals(shakes: Iterable[tuple[Motion, Grid]]) -> str:

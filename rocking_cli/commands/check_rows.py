@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
 from ..reports.tables import Above
-from .printing import form
+from .printing import chosen_columns, form
 
 if TYPE_CHECKING:
     from ..responses.verdict import Verdict
@@ -13,8 +14,12 @@ if TYPE_CHECKING:
     from .check_demands import Demands
 
 
-# columns that a table shows only if --columns names them
-UNSEEN = ("searched_to", "omega_g")
+# columns that a table shows, of those that a call has asked for
+ASKED = (
+    *("worst_f_g", "largest_f_g", "azimuth", "largest_azimuth"),
+    *("slide_max", "tie_state", "floor_pga", "share_falls"),
+    *("code_linear_ratio", "code_slv_ratio", "code_slc_ratio"),
+)
 
 
 def known_columns(
@@ -45,6 +50,16 @@ def known_columns(
     return found
 
 
+def unseen_columns(known: Iterable[str], varied: Iterable[str]) -> list[str]:
+    """Return the columns that a table shows only if --columns names them: of what a
+    call knows, those that decide nothing.
+    """
+    from ..responses.verdict import DECISIVE
+
+    shown = {*DECISIVE, *ASKED, *varied}
+    return [name for name in known if name not in shown]
+
+
 def row_of(
     verdict: Verdict, more: dict[str, Any], later: tuple[str, ...]
 ) -> dict[str, Any]:
@@ -54,6 +69,8 @@ def row_of(
     row = verdict.row() | more
     if form() is None and (limit := verdict.capacity_above) is not None:
         row["capacity_demand"] = Above(limit)
+    if form() is None and not chosen_columns() and verdict.outcome.overturned:
+        row["outcome"] = "overturned"
     if form() == "csv":  # its header is that of the first row
         row |= {key: row.get(key) for key in later}
     return row

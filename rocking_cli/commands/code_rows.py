@@ -20,11 +20,11 @@ from ..responses.code_check import (
     code_check,
     first_beyond,
 )
-from ..responses.verdict import CHECK_KEYS, Verdict
+from ..responses.verdict import Verdict
 from ..structures import RockingParameters
 from ..structures.mechanics.capacity_curve import require_geometry
 from .command import partly
-from .printing import emit, note
+from .printing import detail, emit, note
 
 _FILES = re.compile(r"(slv|slc)=([^,]+)(?:,(slv|slc)=([^,]+))?")
 
@@ -64,6 +64,7 @@ class CodeRows:
         # describes the body)
         self.checks: dict[tuple[str, str], tuple[CodeCheck, Demand, bool]] = {}
         self.lines: list[str] = []  # remarks to print below the table
+        self.details: list[str] = []  # those that change no decision
         self.building: Building | None = None  # below the body in the dynamics
         # of each structure
         self.verdicts: dict[str, list[Verdict]] = {}
@@ -97,12 +98,12 @@ class CodeRows:
         self._remark(found)
         emit(
             ({**_head(one), **one.row()} for one in found),
-            keys=CHECK_KEYS,
             table_units="g,mm,deg",
             varied=varied,
         )
         if output is not None:
             draw_capacity_curves(found, output, overwrite=overwrite, tell=note)
+        detail(*self.details)
         note(*self.lines)
 
     def dynamic(self, demands: Sequence[Demand]) -> list[Demand]:
@@ -157,9 +158,11 @@ class CodeRows:
                 yield {**_head(check), "motion": motion.name, **check.row()}
 
     def said(self) -> list[str]:
-        """Return the lines to print, under several records with the mean theta_ratio of
-        each body without ties, of which d/d0 is at most theta/alpha.
+        """Print what changes no decision, and return the other lines, under several
+        records with the mean theta_ratio of each body without ties, of which d/d0 is at
+        most theta/alpha.
         """
+        detail(*self.details)
         found = []
         for name, verdicts in self.verdicts.items():
             structure = next(
@@ -212,8 +215,7 @@ class CodeRows:
             if len(demands) == 1
             else f"{len(demands)} motions"
         )
-        self.lines.insert(
-            0,
+        self.details.append(
             f"code: Circolare 7/2019 C8.7.1, FC = {self.given['confidence']:g},"
             f" spectrum of {on}{where}",
         )
@@ -233,12 +235,12 @@ class CodeRows:
                 " floor"
             )
         elif where:
-            self.lines.append(
+            self.details.append(
                 "the row of the code and the dynamics describe the same floor: the code"
                 " by its floor spectrum, the dynamics by the motion of the floor"
             )
         elif self.building is not None and self.files:
-            self.lines.append(
+            self.details.append(
                 "the row of the code is that of the spectrum on the ground, the"
                 " dynamics are those on the floor; --floor gives the code the same"
                 " floor"

@@ -6,7 +6,6 @@ from collections.abc import Callable
 from dataclasses import Field, field, fields
 from functools import wraps
 from inspect import signature
-from textwrap import wrap
 from typing import Any
 
 import click
@@ -16,59 +15,37 @@ _PARTLY, _ALL = f"{__name__}.partly", f"{__name__}.all"
 # options that --help leaves to --help-all
 _LATER = """
 --omega-g --T-g --A --Omega --azimuth --sign --linear-uplift --tolerance --eta --alpha
---csv --format --columns --digits --units --overwrite --quiet --workers --seed --floor
+--csv --format --notes --columns --digits --units --overwrite --quiet --workers --seed
 --fc --spectrum --inset-effect --resume --shard --scheduler --chunk --verify-cells
 --strict --no-validity --impacts --row-step --steps --dimensionless --duration --site
 --standing --bootstrap --efficiency --cells --curve --pulses --counts --exact --dpi
 --size --style --title --author --place --summary --xlim --ylim --align --body --log
---periods --damping --building --column --dt --over
+--periods --damping --building --column --dt --over --floor --cycles --gamma --phase
+--component --unit --motion-dt --skip --as-it-stands --scale --scale-to --vertical-scale
+--a-max --verdict-only --fail-on --export --method
 """.split()  # noqa: SIM905
 
 
 class Command(click.Command):
-    """A command whose help names the options of some topics together, in place of a
-    line for each; the page of the topic explains them.
-    """
-
-    topics: dict[str, str]  # topic by the name of the parameter
+    """A command whose --help shows the options that it needs."""
 
     def format_options(
         self, ctx: click.Context, formatter: click.HelpFormatter
     ) -> None:
-        """Write the options that a command needs, with --help-all every one, and then
-        those of each topic.
-        """
-        apart: dict[str, list[str]] = {}
-        rows = []
-        for one in self.get_params(ctx):
-            topic = self.topics.get(one.name or "")
-            if topic is not None:
-                apart.setdefault(topic, []).append(one.opts[-1])
-            elif isinstance(one, click.Option) and (
-                _ALL in ctx.meta or one.opts[-1] not in _LATER
-            ):
-                rows.append(one.get_help_record(ctx))
+        """Write the options that a command needs, with --help-all every one."""
+        rows = [
+            one.get_help_record(ctx)
+            for one in self.get_params(ctx)
+            if isinstance(one, click.Option)
+            and (_ALL in ctx.meta or one.opts[-1] not in _LATER)
+        ]
         with formatter.section("Options"):
             formatter.write_dl([row for row in rows if row is not None])
-        for topic, names in apart.items():
-            with formatter.section(f"Options of {topic} (rocking help {topic})"):
-                room = formatter.width - formatter.current_indent
-                for line in wrap(", ".join(names), room, break_on_hyphens=False):
-                    formatter.write(f"{'':{formatter.current_indent}}{line}\n")
 
     def whole_help(self, ctx: click.Context) -> str:
         """Return the help with every option."""
         ctx.meta[_ALL] = True
         return self.get_help(ctx)
-
-    def rows_of(self, topic: str, ctx: click.Context) -> list[tuple[str, str]]:
-        """Return (option, help) of each option of a topic."""
-        found = [
-            one.get_help_record(ctx)
-            for one in self.params
-            if self.topics.get(one.name or "") == topic
-        ]
-        return [row for row in found if row is not None]
 
 
 def option(flags: str, help: str, **settings: Any) -> Any:
@@ -93,20 +70,9 @@ def argument(**settings: Any) -> Any:
 
 def group(of: type) -> Any:
     """A parameter of a command: an object of this frozen dataclass, whose fields are
-    options. If the class, or one that it inherits from, states a TOPIC, the page of
-    this topic explains the fields that this one has.
+    options.
     """
     return field(metadata={"group": of})
-
-
-def _topics(of: type) -> dict[str, str]:
-    """Return the topic of each field of a group that belongs to one."""
-    return {
-        one.name: base.__dict__["TOPIC"]
-        for base in of.__mro__
-        if "TOPIC" in base.__dict__
-        for one in fields(base)
-    }
 
 
 def given(*names: str) -> list[str]:
@@ -213,8 +179,6 @@ def command(example: str, *shared: Callable[[F], F]) -> Callable[[F], click.Comm
             *(one.metadata["click"](name) for name, one in reversed(options.items())),
         ):
             wanted = decorator(wanted)
-        made = click.command(cls=Command, epilog=f"Example: {example}")(wanted)
-        made.topics = {k: v for of in groups.values() for k, v in _topics(of).items()}
-        return made
+        return click.command(cls=Command, epilog=f"Example: {example}")(wanted)
 
     return decorate

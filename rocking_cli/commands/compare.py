@@ -6,7 +6,7 @@ import click
 
 from . import demand, equations, ground, options
 from .command import command, flag, group, option, partly
-from .printing import emit, note, printed
+from .printing import detail, emit, note, printed
 
 
 @command(
@@ -54,13 +54,13 @@ def compare(
     methods = model.methods(structures, shaken.grid.dimensionless)
     responses = comparison.compare(structures, shaken.motion, shaken.grid, methods)
     if curves:
-        emit(comparison.curve_rows(responses, methods), keys=comparison.CURVE_KEYS)
+        emit(comparison.curve_rows(responses, methods))
     else:
-        emit(comparison.comparison_rows(responses, methods), keys=comparison.KEYS)
+        emit(comparison.comparison_rows(responses, methods))
     if figure.output is not None:
         figure.draw(comparison.curve_rows(responses, methods))
+    detail(*model.in_words(methods, structures, shaken.grid.dimensionless))
     note(
-        *model.in_words(methods, structures, shaken.grid.dimensionless),
         *direction_in_words(*structures),
         *stuck_in_words(structures),
     )

@@ -2,7 +2,7 @@
 
 from .command import argument, command
 from .parameter_types import InputPath
-from .printing import emit, printed, warn
+from .printing import emit, note, printed
 
 
 @command(
@@ -18,7 +18,7 @@ def convert(file: str = argument(type=InputPath())) -> None:
 
     with SpectraFile(file) as spectrum:
         if not spectrum.done.any():
-            warn(f"{file}: none of its cells is computed yet")
+            note(f"{file}: none of its cells is computed yet")
         emit(
             spectrum.cells(),
             (*spectrum.frame.dimensions, "outcome", "theta_ratio"),

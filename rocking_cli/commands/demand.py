@@ -15,7 +15,7 @@ from ..errors import UsageError
 from .command import option, refuse
 from .ground import BothWays, Ground
 from .options import remark_on
-from .printing import note
+from .printing import detail, note
 
 if TYPE_CHECKING:
     import numpy as np
@@ -187,8 +187,8 @@ def note_demand(shakes: Sequence[tuple[Motion, Grid]]) -> None:
     from ..reports.plausibility import bare_remarks
 
     asked = click.get_current_context().params
+    detail(f"demand: {demand_in_words(shakes)}{_floor_in_words(shakes)}")
     note(
-        f"demand: {demand_in_words(shakes)}{_floor_in_words(shakes)}",
         *bare_remarks(
             f"a_g={asked['a_g']}" if asked["a_g"] else asked.get("scale_to") or ""
         ),
@@ -225,4 +225,4 @@ def note_governing(
         )
         for one in structures
     )
-    note(*dict.fromkeys(lines))
+    detail(*dict.fromkeys(lines))

@@ -12,7 +12,7 @@ import click
 from ..errors import counted
 from . import equations, ground, options
 from .command import command, flag, group, option, partly, refuse
-from .printing import computed, emit, note, printed
+from .printing import detail, emit, note, printed
 from .progress import ProgressLine
 
 if TYPE_CHECKING:
@@ -84,9 +84,7 @@ def envelope(
     """
     from ..envelopes.intervals import (
         CURVE_COLUMNS,
-        CURVE_KEYS,
         INTERVAL_COLUMNS,
-        INTERVAL_KEYS,
         NAMED,
         NARROWEST,
         check_curves,
@@ -116,9 +114,8 @@ def envelope(
             for row in structure_curves(structure, motion, axis)
         )
         emit(
-            computed(options.kept(rows, drawn)),
+            options.kept(rows, drawn),
             CURVE_COLUMNS,
-            keys=CURVE_KEYS,
             unseen=NAMED,
             varied=varied,
         )
@@ -128,17 +125,16 @@ def envelope(
     tracings = _tracings(structures, motion, axis, methods, wanted)
     rows = (row for tracing in tracings for row in tracing.trace(wanted))
     emit(
-        computed(options.kept(rows, drawn)),
+        options.kept(rows, drawn),
         INTERVAL_COLUMNS,
-        keys=INTERVAL_KEYS,
         unseen=NAMED[: 1 if len(methods) > 1 else 2],
         varied=varied,
     )
     figure.draw(drawn)
     from ..reports.remarks import stuck_in_words
 
-    lines = model.in_words(methods, structures, axis.name == "Omega")
-    lines += stuck_in_words(structures)
+    detail(*model.in_words(methods, structures, axis.name == "Omega"))
+    lines = stuck_in_words(structures)
     lines += _remarks(tracings, len(methods), wanted)
     failed = sum(tracing.count("failed") for tracing in tracings)
     _closing(lines, f"{NARROWEST:g} in A", failed)
@@ -232,8 +228,8 @@ def _remarks(
 
 def _closing(lines: list[str], narrowest: str, failed: int) -> None:
     """Print what the search may have missed and how many intervals failed."""
-    note(
-        *lines,
+    note(*lines)
+    detail(
         f"intervals narrower than {narrowest}, safe or overturning, may be missed",
     )
     if failed:
@@ -253,7 +249,7 @@ def _of_records(
     --median their quantiles; drawn: gets the rows.
     """
     from ..envelopes.capacity import RATIO
-    from ..envelopes.intervals import INTERVAL_KEYS, NAMED, NONE
+    from ..envelopes.intervals import NAMED, NONE
     from ..reports.remarks import model_in_words, stuck_in_words
     from ..spectra.record_envelope import Tracing, overturning_spectrum, tracing_rows
     from ..spectra.record_scene import scene_of_words
@@ -289,20 +285,19 @@ def _of_records(
 
     if wanted.median:
         quantiles = overturning_spectrum(scene, rows())
-        emit(computed(options.kept(quantiles, drawn)), keys=INTERVAL_KEYS)
+        emit(options.kept(quantiles, drawn))
     else:
         angles = scene.over_angles
         places = ("record", "alpha", "T") if angles else ("record", "structure")
         ends = ("A_from",) if tracing.first else ("A_from", "A_to")
         emit(
-            computed(options.kept(rows(), drawn)),
+            options.kept(rows(), drawn),
             (*places, *ends, "mode", "model"),
-            keys=INTERVAL_KEYS,
             unseen=NAMED,
             varied=varied,
         )
-    lines = [model_in_words(scene.method, *structures, model=model.models[0])]
-    lines += stuck_in_words(structures)
+    detail(model_in_words(scene.method, *structures, model=model.models[0]))
+    lines = stuck_in_words(structures)
     if modes[NONE]:
         lines.append(f"no overturning up to {tracing.most} in {modes[NONE]} searches")
     lines.append(

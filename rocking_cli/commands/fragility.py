@@ -16,7 +16,7 @@ from . import equations, ground, options
 from .command import command, group, partly, refuse, refuse_together
 from .draws import note_left_out, require_spreads
 from .fragility_options import FragilityOptions
-from .printing import note, printed
+from .printing import detail, note, printed
 from .progress import ProgressLine
 
 if TYPE_CHECKING:
@@ -103,10 +103,12 @@ def fragility(
     note(
         *refused,
         *remarks,
-        *model.in_words([request.motions.method], request.structures),
         *direction_in_words(*request.structures),
-        f"{len(request.motions.members)} motions",
         *_standing_again(found),
+    )
+    detail(
+        *model.in_words([request.motions.method], request.structures),
+        f"{len(request.motions.members)} motions",
     )
     # of the default limit states some may have no fit
     stated = click.get_current_context().get_parameter_source("limits")

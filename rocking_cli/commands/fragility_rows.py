@@ -18,10 +18,10 @@ if TYPE_CHECKING:
 
 def emit_cells(studies: Sequence[Study]) -> None:
     """Print every motion at every level."""
-    from ..fragility.study import CELL_COLUMNS, CELL_KEYS
+    from ..fragility.study import CELL_COLUMNS
 
     rows = [row for study in studies for row in study.cells()]
-    emit(rows, CELL_COLUMNS, keys=CELL_KEYS)
+    emit(rows, CELL_COLUMNS)
 
 
 def emit_fits(
@@ -35,20 +35,17 @@ def emit_fits(
     """
     from ..fragility.fitted_curve import (
         CURVE_COLUMNS,
-        CURVE_KEYS,
         FRAGILITY_COLUMNS,
-        FRAGILITY_KEYS,
         HAZARD_COLUMNS,
     )
     from ..fragility.hazard import RATE_COLUMNS
     from ..reports.units import OF_THE_MEASURE, dimension_of_measure
 
     columns: tuple[str, ...]
-    keys: tuple[str, ...]
     measure = fits[0].im if fits else exact[0].motions.measure.name
     if wanted.curve:
         rows = _curves(fits, exact)
-        columns, keys = CURVE_COLUMNS, CURVE_KEYS
+        columns = CURVE_COLUMNS
         of_hazard: tuple[str, ...] = HAZARD_COLUMNS
     else:
         rows = [fit.row() for fit in fits]
@@ -56,14 +53,13 @@ def emit_fits(
             rows += [study.exact_row() for study in exact]
         _add_rejected(rows, wanted.standing)
         _name_the_unit(rows)
-        columns, keys, of_hazard = FRAGILITY_COLUMNS, FRAGILITY_KEYS, RATE_COLUMNS
+        columns, of_hazard = FRAGILITY_COLUMNS, RATE_COLUMNS
 
     if wanted.hazard is not None:
         columns = (*columns, *of_hazard)
     emit(
         rows,
         columns,
-        keys=keys,
         table_units=_table_units(unit or wanted.unit_of_levels()),
         dimensions=dict.fromkeys(OF_THE_MEASURE, dimension_of_measure(measure)),
         unseen=("rate_without_fit",),
@@ -115,7 +111,7 @@ def emit_efficiency(studies: Sequence[Study], wanted: FragilityOptions) -> None:
     name, because the medians of one column have several.
     """
     from ..documents.quantities import headed
-    from ..fragility.efficiency import EFFICIENCY_COLUMNS, EFFICIENCY_KEYS, efficiency
+    from ..fragility.efficiency import EFFICIENCY_COLUMNS, efficiency
     from ..reports.units import OF_THE_MEASURE, dimension_of_measure
 
     rows = [row for study in studies for row in efficiency(study)]
@@ -126,7 +122,7 @@ def emit_efficiency(studies: Sequence[Study], wanted: FragilityOptions) -> None:
             unit, factor = units.of(dimension)
             row |= {"im": headed(row["im"], unit), "median": row["median"] / factor}
     dimensions = dict.fromkeys(OF_THE_MEASURE)
-    emit(rows, EFFICIENCY_COLUMNS, keys=EFFICIENCY_KEYS, dimensions=dimensions)
+    emit(rows, EFFICIENCY_COLUMNS, dimensions=dimensions)
 
 
 def _table_units(unit: str) -> str | None:

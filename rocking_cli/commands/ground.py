@@ -14,7 +14,7 @@ import click
 from ..errors import RockingError
 from .command import flag, option, partly, refuse
 from .parameter_types import NUMBER, PULSE, STATION, InputPath, PulseOrPath, quantity
-from .printing import note, warn
+from .printing import note
 
 if TYPE_CHECKING:
     import numpy as np
@@ -26,15 +26,8 @@ if TYPE_CHECKING:
     from ..motions.recording import Recording
     from ..motions.records import Stated
 
-_MOTION = (
-    "A record or a motion document instead of a pulse; for a set: records, a directory"
-    " or a list; repeatable. FILE,unit=g,column=2,dt=0.01,skip=5,component=NS states"
-    " the options of a file beside it."
-)
-_VERTICAL = (
-    "Vertical motion, upwards: a pulse by name, a motion document, a record, or"
-    f" {STATION}: the component of the same file. FILE,unit=g,… as of --motion."
-)
+_MOTION = "A record, a motion document, a folder or a list, not a pulse; repeatable."
+_VERTICAL = f"Vertical motion: a file, a pulse, or {STATION}: of the same record."
 COLUMN = (
     "Column of a table of numbers, from 1; all: each line goes on from the one before;"
     " pairs: a line holds several times, each with its value."
@@ -241,7 +234,11 @@ class Source:
         type=quantity("angle"),
     )
     motion: tuple[str, ...] = option(
-        "--motion", _MOTION, multiple=True, type=InputPath(), metavar="FILE..."
+        "--motion",
+        _MOTION,
+        multiple=True,
+        type=InputPath(),
+        metavar="FILE[,unit=g,column=2,dt=0.01,skip=5,component=NS]",
     )
 
 
@@ -253,7 +250,6 @@ OF_A_PULSE = tuple(of.name for of in fields(Source) if of.name != "motion")
 class Motions(Reading, Source):
     """The ground motion: a pulse, a motion document, a record or a set of them."""
 
-    TOPIC: ClassVar[str] = "motions"  # whose page explains these options
     # True if an amplitude and a frequency are stated beside it
     takes_demand: ClassVar[bool] = False
 
@@ -389,10 +385,8 @@ class Motions(Reading, Source):
 class BothWays(Motions):
     """The ground motion and a vertical one."""
 
-    TOPIC: ClassVar[str] = "motions"
-
     vertical: str | None = option(
-        "--vertical", _VERTICAL, type=PulseOrPath(), metavar="MOTION"
+        "--vertical", _VERTICAL, type=PulseOrPath(), metavar="FILE[,unit=g,…]"
     )
     vertical_scale: float | None = option(
         "--vertical-scale",
@@ -426,7 +420,7 @@ class BothWays(Motions):
 
 def leave_out(line: str) -> None:
     """Print why a file of a directory cannot be read and is left out."""
-    warn(line)
+    note(line, even_quiet=True)
     partly()
 
 

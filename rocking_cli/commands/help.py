@@ -75,29 +75,11 @@ def help(
     else:
         text = page(name)
         assert isinstance(group.command, click.Group)
-        if rows := _rows_of(name, group):
-            formatter = group.make_formatter()
-            with formatter.section("OPTIONS"):
-                formatter.write_dl(rows)
-            text += f"\n{formatter.getvalue()}"
         if command := group.command.get_command(group, name):
             assert isinstance(command, Command)
             context = click.Context(command, parent=group, info_name=name)
             text = f"{command.whole_help(context)}\n\n{text}"
     streams.put(*text.rstrip().splitlines())
-
-
-def _rows_of(topic: str, group: click.Context) -> list[tuple[str, str]]:
-    """Return (option, help) of each option of a topic, of all commands."""
-    found: dict[str, str] = {}
-    if topic not in TOPICS:
-        return []
-    assert isinstance(group.command, click.Group)
-    for name in COMMANDS:
-        command = group.command.get_command(group, name)
-        assert isinstance(command, Command)
-        found |= dict(command.rows_of(topic, click.Context(command, info_name=name)))
-    return list(found.items())
 
 
 def _found(words: str) -> list[str]:

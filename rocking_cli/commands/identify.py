@@ -111,7 +111,7 @@ def identify(
         emit(rows_of(found), IMPACT_COLUMNS)
     else:
         rows = [one.row for one in found]
-        emit(rows, COLUMNS, keys=("trace", "release"), dimensions=dimensions)
+        emit(rows, COLUMNS, dimensions=dimensions)
     lines = found[-1].lines
     if form() is None:
         put(*(("", *lines) if lines else ()))

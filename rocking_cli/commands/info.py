@@ -77,7 +77,7 @@ def info(
         return 0
 
     hidden = {"command": None} if form() is None else {}  # it stands below a table
-    emit([{**row, **hidden} for row in rows], keys=("file",))
+    emit([{**row, **hidden} for row in rows])
     commands = [row["command"] for row in rows] if again else []
     if form() is None:
         _put_commands(commands)

@@ -5,7 +5,7 @@ from pathlib import Path
 from . import options
 from .command import argument, command, partly
 from .parameter_types import InputPath
-from .printing import note, quiet, warn
+from .printing import note, quiet
 
 MOST = 20  # missing shards in the message
 
@@ -46,5 +46,5 @@ def merge(
             if len(merged.missing) > MOST
             else ""
         )
-        warn(f"missing or not complete: shard {shown}")
+        note(f"missing or not complete: shard {shown}", even_quiet=True)
     partly(merged.chunks < merged.all_chunks)

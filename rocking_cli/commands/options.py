@@ -27,7 +27,7 @@ from .parameter_types import (
     limit,
     quantity,
 )
-from .printing import AnyRow, below, form, keep_labels, note, units_of
+from .printing import AnyRow, detail, form, keep_labels, note, units_of
 from .streams import printable
 
 if TYPE_CHECKING:
@@ -49,7 +49,7 @@ def _at_most_the_cpus(
     cpus = available_cpus()
     if given is None or given <= cpus:
         return given
-    note(f"--workers {given}: reduced to {cpus}, the number of available CPUs")
+    detail(f"--workers {given}: reduced to {cpus}, the number of available CPUs")
     return cpus
 
 
@@ -360,7 +360,7 @@ def introduced(
             parameter.name == "columns"
             for parameter in click.get_current_context().command.params
         )
-        note(
+        detail(
             "labels, not used:"
             f" {shown}{' (--columns shows them)' if has_columns else ''}"
         )
@@ -372,7 +372,7 @@ def note_spreads(keys: Collection[str]) -> None:
     if not keys or parameters.get("draws"):
         return
     more = "; --draws draws them" if "draws" in parameters else ""
-    below(f"means are taken of numbers with a spread: {', '.join(keys)}{more}")
+    note(f"means are taken of numbers with a spread: {', '.join(keys)}{more}")
 
 
 def note_interfaces(structures: Iterable[RockingParameters]) -> None:
@@ -380,7 +380,7 @@ def note_interfaces(structures: Iterable[RockingParameters]) -> None:
     one may overturn first.
     """
     if names := [s.name for s in structures if "interfaces" in s.details]:
-        below(f"followed on one interface, as if no other opened: {', '.join(names)}")
+        note(f"followed on one interface, as if no other opened: {', '.join(names)}")
 
 
 def remark_on(grid: Grid | None = None, spans: str = "") -> None:
@@ -394,7 +394,7 @@ def remark_on(grid: Grid | None = None, spans: str = "") -> None:
 def _tell_remarks(remarks: Sequence[str]) -> None:
     """Print the first three remarks, and the number of the others."""
     more = len(remarks) - _REMARKS
-    below(*remarks[:_REMARKS], *([f"and {more} more such remarks"] if more > 0 else []))
+    note(*remarks[:_REMARKS], *([f"and {more} more such remarks"] if more > 0 else []))
 
 
 def check_target(

@@ -9,16 +9,20 @@ from itertools import chain
 from typing import TYPE_CHECKING, Any
 
 from . import equations, options
-from .command import command, group, option, refuse
+from .command import command, flag, group, option, refuse
 from .draws import Draws, require_spreads
-from .printing import computed, emit, form, keep_labels, note, printed
+from .printing import asks_columns, detail, emit, form, keep_labels, printed
 from .progress import ProgressLine
 
 if TYPE_CHECKING:
     from ..documents.document import Document
     from ..structures.family import Variation
 
-KEYS = ("name",)  # the column that says which row it is
+# columns of a table without --details; the last two are those of a held wall
+SHOWN = (
+    *("name", "p", "alpha", "eta", "lambda", "a_scale"),
+    *("crack_height", "top_reaction"),
+)
 # keys that only some members of a family have, with the value for the others
 SHARED = {
     "one_sided": False,
@@ -33,6 +37,10 @@ def params(
     files: tuple[str, ...] = options.files(),
     vary: tuple[str, ...] = options.vary(),
     linear_uplift: str = equations.linear_uplift(),
+    details: bool = flag(
+        "--details",
+        "In a table all columns, and rows for sides, interfaces, hinges and ties.",
+    ),
     over: str | None = option(
         "--over",
         "The axis of a family (default: the first key varied).",
@@ -62,21 +70,21 @@ def params(
         refuse("does not go with --draws", "vary", "linear_uplift")
         structures, _ = options.structures_of(files)
         require_spreads(structures)
-        emit(list(drawn.rows(structures)), keys=("name", "quantity"))
+        emit(list(drawn.rows(structures)))
         return
     variations = [parse_variation(text) for text in vary]
     if not variations:
         early: list[str] = []
-        rows = _structure_rows(files, linear_uplift, early)
+        rows = _structure_rows(files, linear_uplift, early, details)
         # a fault of the last document comes before the first row; a CSV waits for its
         # header anyway
         _print(rows if form() == "csv" else list(rows))
-        note(*early)
+        detail(*early)
         return
     documents = options.documents_of(files)
     variations += _unvaried(over, variations, documents)
     members: list[dict[str, Any]] = []  # as the CSV has them
-    _print(_family_rows(documents, variations, linear_uplift, members))
+    _print(_family_rows(documents, variations, linear_uplift, members, details))
     figure.draw(members, over)
 
 
@@ -109,7 +117,7 @@ def _unvaried(
 
 
 def _structure_rows(
-    files: tuple[str, ...], uplift: str, early: list[str]
+    files: tuple[str, ...], uplift: str, early: list[str], details: bool
 ) -> Iterator[dict[str, Any]]:
     """Yield the rows of the structures of files; those of JSON and CSV hold the other
     interfaces of a stack. A structure goes before the next one is read. uplift: see
@@ -134,7 +142,7 @@ def _structure_rows(
             interfaces = on_each_interface(s.document)[1:]
             if others := [build_structure(interface) for interface in interfaces]:
                 row[OTHERS] = [equations.lifted(o, uplift).row() for o in others]
-        yield from _rows(row, shown)
+        yield from _rows(row, shown, details)
 
 
 def _family_rows(
@@ -142,6 +150,7 @@ def _family_rows(
     variations: Sequence[Variation],
     uplift: str,
     members_seen: list[dict[str, Any]],
+    details: bool,
 ) -> Iterator[dict[str, Any]]:
     """Yield the rows of the members of families; those without a solution are reported;
     members_seen: gets the rows of a CSV.
@@ -158,8 +167,9 @@ def _family_rows(
             else:
                 structure = equations.lifted(member.parameters, uplift)
                 keep_labels([structure])
-                members_seen.extend(_rows(structure.row(), "csv", member.shown))
-                yield from _rows(structure.row(), form(), member.shown)
+                seen = _rows(structure.row(), "csv", details, member.shown)
+                members_seen.extend(seen)
+                yield from _rows(structure.row(), form(), details, member.shown)
 
 
 def _print(rows: Iterable[dict[str, Any]]) -> None:
@@ -167,18 +177,21 @@ def _print(rows: Iterable[dict[str, Any]]) -> None:
     from ..reports.tables import flat
 
     if form() != "csv":
-        emit(computed(rows), keys=KEYS)
+        emit(rows)
         return
     flattened = [flat(row) for row in rows]
     columns = dict.fromkeys(chain.from_iterable(flattened))
-    emit((columns | row for row in flattened), keys=KEYS)
+    emit(columns | row for row in flattened)
 
 
 def _rows(
-    row: dict[str, Any], form: str | None, varied: dict[str, float] | None = None
+    row: dict[str, Any],
+    form: str | None,
+    details: bool,
+    varied: dict[str, float] | None = None,
 ) -> Iterator[dict[str, Any]]:
-    """Yield the rows of a structure: for JSON and CSV one, for a table more, of each
-    side or interface. varied: the values of the varied keys by heading.
+    """Yield the rows of a structure: for JSON and CSV one, for a table with details
+    more, of each side or interface. varied: the values of the varied keys by heading.
     """
     from ..structures.parameters import VARIED
 
@@ -194,6 +207,10 @@ def _rows(
         row = _csv_row(row, sides, bool(varied))
     else:
         row, below = _table_rows(row, sides)
+        if not details:
+            below = []
+            if not asks_columns():
+                row = {key: row[key] for key in SHOWN if key in row}
     # alpha of a block is both a varied key and a parameter
     if varied:
         row = {_apart(heading, row): x for heading, x in varied.items()} | row

@@ -6,7 +6,7 @@ from ..errors import counted
 from . import demand, ground, options
 from .command import argument, command, flag, group, partly
 from .parameter_types import InputPath
-from .printing import emit, note, printed
+from .printing import detail, emit, note, printed
 
 _SPECTRUM = (
     "rocking params configs/block.yaml --json | rocking spectrum - --grid"
@@ -64,9 +64,9 @@ def predict(
             )
             for s in structures
         ]
-    emit(rows, keys=("structure",))
+    emit(rows)
+    detail("model: linear, as the spectrum's")
     note(
-        "model: linear, as the spectrum's",
         *direction_in_words(*structures, opposite="the other sign of `a_g`"),
         *stuck_in_words(structures),
     )

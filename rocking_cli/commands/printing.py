@@ -1,4 +1,5 @@
-"""Output of a call: rows on standard output, lines on standard error; their options.
+"""Output of a call, by three functions, and its options: `emit` prints rows on standard
+output, `note` a line that changes a decision on standard error, `detail` any other.
 
 The library speaks of arguments in backticks; `in_options` makes them options: `a_g`
 becomes --a-g.
@@ -8,7 +9,6 @@ import re
 import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
-from functools import partial
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
@@ -69,12 +69,17 @@ def _of_call(*flags: str, callback: Any = _keep, **settings: Any) -> Callable[[F
     )
 
 
-quiet = _of_call(
+_quiet = _of_call(
     "-q",
     "--quiet",
     is_flag=True,
     callback=_keep_quiet,
-    help="No progress and no summary on standard error.",
+    help="No line on standard error but that of a failure.",
+)
+_notes = _of_call(
+    "--notes",
+    is_flag=True,
+    help="Every line on standard error: the equation, the demand, limits.",
 )
 units = _of_call(
     "--units",
@@ -108,8 +113,8 @@ _format = _of_call(
 )
 _columns = _of_call(
     "--columns",
-    metavar="NAME,…",
-    help="Columns to print (default: all, in a table those that are not empty).",
+    metavar="all|NAME,…",
+    help="Columns to print, or all (default: JSON and CSV all, a table what decides).",
 )
 _digits = _of_call(
     "--digits",
@@ -118,14 +123,24 @@ _digits = _of_call(
 )
 
 
+def quiet(command: F) -> F:
+    """Decorator: the options of the lines on standard error."""
+    return _quiet(_notes(command))
+
+
 def printed(command: F) -> F:
-    """Decorator: the options of rows on standard output, and --quiet."""
+    """Decorator: the options of rows on standard output, and of the lines."""
     return _json(_csv(_format(_columns(_digits(units(quiet(command)))))))
 
 
 def is_quiet() -> bool:
     """True if the call has --quiet."""
     return bool(_kept("quiet"))
+
+
+def wants_details() -> bool:
+    """True if the call has --notes, and not --quiet."""
+    return bool(_kept("notes")) and not is_quiet()
 
 
 def units_of() -> "Units | None":
@@ -139,9 +154,15 @@ def form() -> str | None:
 
 
 def chosen_columns() -> list[str]:
-    """Return the columns that --columns names, empty without it."""
+    """Return the columns that --columns names, empty without it and for `all`."""
     stated = (_kept("columns") or "").split(",")
-    return [name.strip() for name in stated if name.strip()]
+    names = [name.strip() for name in stated if name.strip()]
+    return [] if names == ["all"] else names
+
+
+def asks_columns() -> bool:
+    """True if the call has --columns."""
+    return bool(_kept("columns"))
 
 
 def units_shown(table_units: str | None = None) -> "Units":
@@ -171,8 +192,8 @@ def _labelled(
     rows: Iterable[Mapping[str, Any]], form: str | None, chosen: Sequence[str]
 ) -> Iterator[Mapping[str, Any]]:
     """Yield rows with the labels of their structures: for JSON as one mapping, for CSV
-    as columns, for a table those of --columns. A label with the name of another column
-    of the row is called label_NAME.
+    as columns at the end, for a table behind the name. A label with the name of another
+    column of the row is called label_NAME.
     """
     for row in rows:
         kept: Mapping[str, Mapping[str, str]] = _kept("labels") or {}
@@ -184,14 +205,12 @@ def _labelled(
             f"label_{name}" if name in row else name: mine.get(name)
             for name in _kept("label_names") or ()
         }
-        yield {
-            **row,
-            **{
-                name: text
-                for name, text in named.items()
-                if form == "csv" or name in chosen
-            },
-        }
+        if form is None:
+            name = next((key for key in ("structure", "name") if key in row), None)
+            first = {} if name is None else {name: row[name]}
+            yield {**first, **named, **row}
+        else:
+            yield {**row, **named}
 
 
 def require_columns(known: Iterable[str]) -> None:
@@ -231,40 +250,44 @@ def emit(
     rows: Iterable[Mapping[str, Any]],
     columns: Sequence[str] = (),
     *,
-    keys: Sequence[str] = (),
     form: str | None = None,
     table_units: str | None = None,
     dimensions: Mapping[str, str | None] | None = None,
     unseen: Sequence[str] = (),
+    above: Sequence[str] = (),
     varied: Mapping[str, Mapping[str, Any]] | None = None,
 ) -> None:
-    """Print rows: JSON and CSV each as soon as it is computed, a table at the end.
+    """Print rows: JSON, CSV and long tables each as soon as it is computed, a table at
+    the end.
 
-    columns: the header of a CSV without rows; keys: the columns that say which row it
-    is, which a table that is cut into blocks repeats; form: the form of the output if
-    neither --json nor --csv is given; table_units: the units of a table if --units is
-    not given; dimensions: of columns that have another one here than elsewhere, None
-    without a unit; unseen: columns that only JSON and CSV have; varied: for each
-    structure the columns of its varied values, which come first.
+    columns: the header of a CSV without rows; form: the form of the output if no option
+    states one; table_units: the units of a table if --units is not given; dimensions:
+    of columns that have another one here than elsewhere, None without a unit; unseen:
+    columns that a table has only if --columns names them; above: columns that stand
+    above a table if they are the same in all rows; varied: for each structure the
+    columns of its varied values, which come first.
     """
     from ..reports.tables import lines
 
     units, form = units_shown(table_units), _kept("form") or form
     if dimensions:
         units = replace(units, dimensions=dimensions)
-    chosen = chosen_columns()
+    chosen, every = chosen_columns(), asks_columns()
     if varied:
         rows = ({**varied.get(str(row.get("structure")), {}), **row} for row in rows)
-    if unseen and form is None:
-        hidden = set(unseen) - set(chosen)
+    if unseen and form is None and not every:
+        hidden = set(unseen)
         rows = ({k: x for k, x in row.items() if k not in hidden} for row in rows)
     rows = _labelled(rows, form, chosen)
     if chosen and (form is not None or _kept("known_columns")):
         rows = _selected(rows, chosen)
     layout: dict[str, Any] = {}
     if form is None:
-        digits = _kept("digits") or 4
-        layout = {"digits": digits, "width": _width(), "chosen": chosen, "keys": keys}
+        layout = {"digits": _kept("digits") or 4, "width": _width(), "chosen": chosen}
+        if not chosen:
+            labels = [*(_kept("label_names") or ())]
+            layout["above"] = [*above, *labels]
+            layout["spare"] = [] if every else [*labels, "demand_a"]
     for line in lines(
         rows,
         _kept("style") or form or "table",
@@ -285,13 +308,6 @@ def _width() -> int:
     return get_terminal_size((WIDTH, 0)).columns if sys.stdout.isatty() else WIDTH
 
 
-def computed(rows: Iterable[AnyRow]) -> Iterable[AnyRow]:
-    """Return rows for `emit`: those of a table are computed here, before it is printed;
-    those of JSON and CSV are printed one by one as they come.
-    """
-    return list(rows) if form() is None else rows
-
-
 def in_options(text: str, command: click.Command) -> str:
     """Return a sentence of the library with the arguments in backticks replaced by the
     options of the command; other words stay.
@@ -307,26 +323,17 @@ def in_options(text: str, command: click.Command) -> str:
     return re.sub(r"`(\w+)`", lambda found: options.get(found[1], found[0]), text)
 
 
-def warn(text: str) -> None:
-    """Print a line on standard error, the library's terms in it replaced by the options
-    of the command.
+def note(*lines: str, even_quiet: bool = False) -> None:
+    """Print lines that change a decision on standard error, unless --quiet; the
+    library's terms in them are replaced by the options of the command. even_quiet: True
+    for the reason of an exit code.
     """
     context = click.get_current_context(silent=True)
-    streams.say(text if context is None else in_options(text, context.command))
+    for line in lines if even_quiet or not is_quiet() else ():
+        streams.say(line if context is None else in_options(line, context.command))
 
 
-def below(*lines: str) -> None:
-    """Print lines on standard error, as `note` does, after the table if the command
-    prints a table.
-    """
-    context = click.get_current_context()
-    tabular = form() is None and any(
-        parameter.name == "columns" for parameter in context.command.params
-    )
-    context.call_on_close(partial(note, *lines)) if tabular else note(*lines)
-
-
-def note(*lines: str) -> None:
-    """Print lines on standard error, unless --quiet."""
-    for line in () if is_quiet() else lines:
-        warn(line)
+def detail(*lines: str) -> None:
+    """Print lines as `note` does, with --notes alone."""
+    if wants_details():
+        note(*lines)

@@ -141,11 +141,11 @@ def records(
     if wanted.record is not None:
         _write(wanted.record, taken_records, wanted.overwrite)
     if wanted.export_spectrum:
-        emit(taken, SPECTRUM_COLUMNS, keys=(*KEYS, "T"))
+        emit(taken, SPECTRUM_COLUMNS)
         figure.draw(taken)
     else:
         dimensions = {x.name: dimension_of_measure(x.name) for x in _further_measures()}
-        emit(taken, COLUMNS, keys=KEYS, dimensions=dimensions)
+        emit(taken, COLUMNS, dimensions=dimensions)
         if figure.output is not None:
             from ..reports.drawing_files import draw_records
 

@@ -142,7 +142,7 @@ def report(
     note(f"{wanted.output}: {tally(verdicts)}")
     if turned := opposite():
         note(opposite_in_words(turned))
-    note(*worst_at_an_end(demands, verdicts, in_g=True))
+    note(*worst_at_an_end(demands, verdicts))
     partly(any(v.outcome == Outcome.FAILED for v in verdicts))
 
 
@@ -213,6 +213,6 @@ def _remarks(
             f"Of the {tried} the capacity is the least one and the rotation the largest"
             " one, each where the table says."
         )
-    yield from worst_at_an_end(demands, verdicts, in_g=True)
+    yield from worst_at_an_end(demands, verdicts)
     if wanted.inset_effect:
         yield from inset_effects(verdicts, demands, limit)

@@ -11,7 +11,7 @@ from ..errors import UsageError
 from . import demand, equations, ground, options
 from .command import argument, command, flag, group, option, partly, refuse
 from .parameter_types import NUMBER, InputPath, quantity
-from .printing import computed, emit, form, note, printed
+from .printing import detail, emit, form, note, printed
 
 if TYPE_CHECKING:
     from ..responses.time_history import TimeHistory
@@ -134,7 +134,7 @@ def response(
         figure.draw(found.rows(dt=wanted.dt, steps=wanted.steps, **shown))
     if shaken.grid is not None:
         demand.note_demand(shaken.shakes)
-    note(*model.in_words(methods, structures, bare))
+    detail(*model.in_words(methods, structures, bare))
     note(*response_in_words(found, forces=wanted.forces))
     if wanted.release:
         from ..reports.remarks import stuck_in_words
@@ -164,7 +164,7 @@ def _print_sliding(
     slid: SlideHistory, wanted: ResponseOptions, figure: options.FigureFile
 ) -> None:
     """Print the rows or the events of a body that slides, and draw the rows."""
-    from ..responses.time_history import EVENT_KEYS, KEYS, NAMED
+    from ..responses.time_history import NAMED
 
     refuse(f"does not go with {slid.structure.name}, which slides", "dimensionless")
     rows = list(
@@ -177,25 +177,24 @@ def _print_sliding(
     )
     figure.draw(rows)
     if not wanted.events:
-        emit(rows, keys=KEYS, unseen=NAMED)
+        emit(rows, unseen=NAMED)
         return
     closing: Iterable[dict[str, Any]] = [slid.summary()] if form() == "json" else ()
-    emit(chain(slid.events(), closing), ("model", "event"), keys=EVENT_KEYS)
+    emit(chain(slid.events(), closing), ("model", "event"))
 
 
 def _print(found: TimeHistory, wanted: ResponseOptions) -> None:
     """Print the rows of a time history, or its events."""
-    from ..responses.time_history import EVENT_KEYS, IMPULSES, KEYS, NAMED
+    from ..responses.time_history import IMPULSES, NAMED
 
     shown = {"dimensionless": wanted.dimensionless, "forces": wanted.forces}
     if not wanted.events:
         rows = found.rows(dt=wanted.dt, steps=wanted.steps, **shown)
-        emit(computed(rows), keys=KEYS, unseen=NAMED)
+        emit(rows, unseen=NAMED)
         return
     closing = found.summaries(**shown) if form() == "json" else ()
     emit(
-        computed(chain(found.events(**shown), closing)),
+        chain(found.events(**shown), closing),
         ("model", "event"),
-        keys=EVENT_KEYS,
         dimensions=dict.fromkeys(IMPULSES) if wanted.dimensionless else None,
     )

@@ -11,7 +11,7 @@ import click
 from . import demand, options
 from .command import command, group, option, partly
 from .parameter_types import VariedKey
-from .printing import emit, form, note, printed
+from .printing import detail, emit, form, note, printed
 from .progress import ProgressLine
 
 if TYPE_CHECKING:
@@ -106,7 +106,7 @@ def solve(
         remarks += [f"{source}{line}" for line in lines]
         partly(any(line.startswith("no ") for line in lines))
 
-    emit(rows, COLUMNS, keys=("structure", varied.key))
+    emit(rows, COLUMNS)
     if figure.output is not None:
         from ..reports.figures.boundaries import draw_scans
         from ..reports.wording import demand_plainly
@@ -123,8 +123,8 @@ def solve(
             tell=note,
         )
     demand.note_demand([*shakes, *(ends[1].shakes if ends else [])])
-    note(
-        *remarks,
+    note(*remarks)
+    detail(
         f"the scan has {len(varied.values)} values; two boundaries between neighbours"
         " of them may be missed",
         narrow_intervals(shakes),

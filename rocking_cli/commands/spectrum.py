@@ -13,7 +13,7 @@ import click
 
 from . import equations, ground, options
 from .command import command, flag, group, option, partly, refuse
-from .printing import emit, is_quiet, note, quiet
+from .printing import detail, emit, is_quiet, note, quiet
 from .progress import ProgressLine
 
 if TYPE_CHECKING:
@@ -97,7 +97,7 @@ def spectrum(
     KEY=START:STOP:N --json.
     """
     from ..reports.remarks import direction_in_words
-    from ..reports.summary import summary_lines
+    from ..reports.summary import summary_details, summary_lines
     from ..spectra.file.partial_file import check_output
     from ..spectra.sweep import write_scene
     from ..spectra.sweep_options import CHUNK_CELLS, SweepOptions
@@ -132,10 +132,10 @@ def spectrum(
     )
     summary = write_scene(scene, wanted.output, settings)
     dimensionless = grid is not None and grid.dimensionless
-    note(
+    note(*direction_in_words(*structures), *summary_lines(summary, str(wanted.output)))
+    detail(
         *model.in_words([scene.method], structures, dimensionless),
-        *direction_in_words(*structures),
-        *summary_lines(summary, str(wanted.output)),
+        *summary_details(summary),
     )
     if wanted.json_:
         # Where no cell was checked, no difference is known.

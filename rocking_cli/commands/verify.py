@@ -11,7 +11,7 @@ import click
 
 from .command import command, group, option
 from .parameter_types import OutputPath
-from .printing import computed, emit, note, printed
+from .printing import emit, note, printed
 
 
 @dataclass(frozen=True)
@@ -61,7 +61,7 @@ def verify(wanted: VerifyOptions = group(VerifyOptions)) -> int:
     beside = None if target is None else target.absolute().parent
     with tempfile.TemporaryDirectory(dir=beside, prefix=".verify-") as temporary:
         folder = Path(temporary) / "cases"
-        emit(computed(rows(folder)), keys=("case",), unseen=_UNSEEN)
+        emit(rows(folder), unseen=_UNSEEN)
         if target is not None:
             text = page(found, installation())
             (folder / "page.html").write_text(text, encoding="utf-8")

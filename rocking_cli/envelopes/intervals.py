@@ -35,18 +35,6 @@ NONE = "none"  # the mode of a body that no amplitude overturns
 BOTH = "both"  # each sign by itself
 # columns for programs; a printed table has them only if their values differ
 NAMED = ("motion", "model")
-# The columns that say which row it is: of an interval, and of a point of a curve.
-INTERVAL_KEYS = (
-    "record",
-    "structure",
-    "alpha",
-    "T",
-    "model",
-    "sign",
-    "Omega",
-    "A_from",
-)
-CURVE_KEYS = ("structure", "curve", "Omega")
 INTERVAL_COLUMNS = ("structure", "Omega", "A_from", "A_to", "mode", *NAMED)
 CURVE_COLUMNS = ("structure", "curve", "Omega", "A", *NAMED)
 # number of amplitudes of an exact equation that take as long as one amplitude of

@@ -13,7 +13,6 @@ from .measures import compared
 from .study import Study
 
 EFFICIENCY_COLUMNS = ("structure", "im", "median", "beta", "efficiency", "n")
-EFFICIENCY_KEYS = ("structure", "im")  # the columns that say which row it is
 
 
 def efficiency(study: Study) -> list[dict[str, Any]]:

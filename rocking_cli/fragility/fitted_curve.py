@@ -27,8 +27,6 @@ FRAGILITY_COLUMNS = (
     "beta_high",
     "n",
 )
-FRAGILITY_KEYS = ("structure", "limit_state", "method")  # they say which row it is
-CURVE_KEYS = (*FRAGILITY_KEYS, "x")
 CURVE_COLUMNS = (
     "structure",
     "im",

@@ -52,7 +52,6 @@ from .measures import MotionMember, members_of
 Fitted = tuple[Curve, Callable[[Array], Estimate], dict[float, float]]
 METHODS = ("stripes", "first", "cloud")
 LIMITS: tuple[float | None, ...] = (0.1, 0.5, 1.0, None)
-CELL_KEYS = ("structure", "motion", "pga")
 CELL_COLUMNS = ("structure", "motion", "pga", "pgv_pga", "theta_ratio", "outcome")
 
 

@@ -9,17 +9,35 @@ from ..spectra.results import Summary
 
 
 def summary_lines(summary: Summary, output: str) -> Iterator[str]:
-    """Yield the sentences of the summary: size, run time, errors, outcomes,
-    and work that was skipped.
+    """Yield the sentences that decide: size, outcomes, and what is not to be relied
+    upon.
     """
-    s, w = summary, summary.work
+    s = summary
     records = f" under {counted(s.records, 'record')}" if s.records else ""
+    outcomes = ", ".join(f"{n} {flag}" for flag, n in s.outcomes.items() if n)
     yield (
         f"{output}: {counted(s.cells, 'cell')},"
-        f" {counted(s.structures, 'structure')}{records}"
+        f" {counted(s.structures, 'structure')}{records}: {outcomes}"
     )
     if s.records and s.model == LINEAR.model:
         yield "the linear equation is not safe under records; `model` nonlinear decides"
+    if s.machine_differences:
+        yield (
+            f"computed on machines that differ: {s.machine_differences}; the last"
+            " digits of cells may differ from those of one machine"
+        )
+    if s.misjudged or s.beyond_tolerance:
+        cells = f"{s.misjudged + s.beyond_tolerance} of these cells"
+        yield (
+            f"warning: the two paths differ by more than the error bound at {cells}; do"
+            " not rely on this sweep"
+        )
+    yield from _equation_lines(s)
+
+
+def summary_details(summary: Summary) -> Iterator[str]:
+    """Yield the other sentences: run time, errors, and work that was skipped."""
+    s, w = summary, summary.work
     yield (
         f"run time: {s.run_time:.3g} s, {1e6 * s.time_per_cell:.3g} us a cell,"
         f" {counted(s.workers, 'worker')}"
@@ -29,14 +47,7 @@ def summary_lines(summary: Summary, output: str) -> Iterator[str]:
             f"resumed: {s.resumed_cells} cells were there before; times, checks and"
             " skipped work are those of this run"
         )
-    if s.machine_differences:
-        yield (
-            f"computed on machines that differ: {s.machine_differences}; the last"
-            " digits of cells may differ from those of one machine"
-        )
     yield from _error_lines(s)
-    yield from _equation_lines(s)
-    yield "outcomes: " + ", ".join(f"{n} {flag}" for flag, n in s.outcomes.items() if n)
     if s.weighed or s.outcomes[Outcome.LOST_CONTACT.flag]:
         yield (
             "lost contact: g + z_g'' <= 0, or Fz <= 0 under a rigid body that rocks;"
@@ -76,12 +87,6 @@ def _error_lines(s: Summary) -> Iterator[str]:
         f"largest difference: {s.largest_difference:.1e} in theta/alpha at {many} in"
         f" {s.check_time:.2g} s, {agree}"
     )
-    if s.misjudged or s.beyond_tolerance:
-        cells = f"{s.misjudged + s.beyond_tolerance} of these cells"
-        yield (
-            f"warning: the two paths differ by more than the error bound at {cells}; do"
-            " not rely on this sweep"
-        )
 
 
 def _equation_lines(s: Summary) -> Iterator[str]:

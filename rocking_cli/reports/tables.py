@@ -6,8 +6,9 @@ import csv
 import json
 import math
 import re
+import sys
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
-from itertools import zip_longest
+from itertools import islice, zip_longest
 from textwrap import wrap
 from types import SimpleNamespace
 from typing import Any, NamedTuple
@@ -19,7 +20,8 @@ from .units import Units
 
 Row = Mapping[str, Any]
 
-WIDTH = 100  # columns of a table, if no terminal says otherwise
+WIDTH = 80  # columns of a table, if no terminal says otherwise
+MANY = 1000  # rows up to which a table is laid out as a whole
 _GAP = "  "  # between two columns
 _LEAST = 4  # characters of a column that gives way to others
 _NUMBER = re.compile(r"(?:[<>] ?)?[-+]?\d+(?:\.\d*)?(?:e[-+]?\d+)?")
@@ -93,19 +95,14 @@ def csv_lines(
 class _Column(NamedTuple):
     """A column of a printed table."""
 
-    cells: list[str]  # the heading and the value of each row, as texts
+    heading: str
+    cells: list[str]  # the value of each row as a text
     numeric: bool  # True if every value is a number; numbers are aligned on the right
-    key: bool  # True if the column says which row it is
 
     @property
     def width(self) -> int:
         """The number of characters of the longest cell."""
-        return max(map(len, self.cells))
-
-    @property
-    def heading_width(self) -> int:
-        """The number of characters of the longest word of the heading."""
-        return max(map(len, self.cells[0].split()), default=0)
+        return max(map(len, self.cells), default=0)
 
 
 def table_lines(
@@ -113,35 +110,115 @@ def table_lines(
     digits: int = 4,
     width: int = WIDTH,
     chosen: Sequence[str] = (),
-    keys: Sequence[str] = (),
+    above: Sequence[str] = (),
+    spare: Sequence[str] = (),
 ) -> Iterator[str]:
-    """Yield the lines of an aligned table, none longer than `width`.
+    """Yield the lines of an aligned table.
 
     digits: significant digits of numbers; chosen: names of columns without units, if
-    empty all columns that have values; keys: names of the columns that say which row it
-    is, the first column if there is none. A table that is too wide is cut into blocks;
-    each block begins with the key columns. A table of up to three rows, or one without
-    room for the headings of its keys, has a line for each quantity, and its blocks hold
-    as many rows as fit. Raises UsageError for an unknown column.
+    empty all columns that have values; above: columns that stand once, above the table,
+    if they are the same in all rows; spare: columns of which only as many stand as fit.
+    To fit into `width` headings are broken, then texts go on below, then each quantity
+    has a line with its values in a few rows; the lines of many rows may be longer. A
+    table of more than MANY rows is written as they come, with every column. Raises
+    UsageError for an unknown column.
     """
-    table = _columns_of(list(rows), digits, chosen, keys)
+    rows = iter(rows)
+    body = list(islice(rows, MANY + 1))
+    if len(body) > MANY:
+        yield from _long(body, rows, digits, chosen)
+        return
+    table = _columns_of(body, digits, chosen)
     if not table:
         return
-    upright = len(table[0].cells) <= 4 or _breaks_headings(table, width)
-    yield from _upright(table, width) if upright else _level(table, width)
+    same, table = _same(table, above)
+    if same:
+        yield from wrap("; ".join(same), max(width, _LEAST), break_on_hyphens=False)
+        yield ""
+    spared = [c for c in table if _name(c.heading) in spare]
+    while _arranged(table, width, whole=True) is None and spared:
+        dropped = spared.pop()
+        table = [column for column in table if column is not dropped]
+    arranged = _arranged(table, width)
+    upright = None if arranged else _upright(table, width)
+    if upright is not None:
+        yield from upright
+        return
+    arranged = arranged or _arranged(table, sys.maxsize)
+    assert arranged is not None
+    yield from _level(table, arranged)
+
+
+def _name(heading: str) -> str:
+    """Return the name of a column without its unit."""
+    return heading.partition(" [")[0]
 
 
 def _columns_of(
-    body: Sequence[Row], digits: int, chosen: Sequence[str], keys: Sequence[str] = ()
+    body: Sequence[Row], digits: int, chosen: Sequence[str]
 ) -> list[_Column]:
     """Return the columns of a table; arguments as of `table_lines`."""
-    table = []
-    for heading in _headings(body, chosen):
-        values = [row.get(heading) for row in body]
-        cells = [heading, *(_cell(heading, value, digits) for value in values)]
-        key = heading.partition(" [")[0] in keys
-        table.append(_Column(cells, all(map(_is_number, values)), key))
-    return table
+    return [
+        _column(heading, [row.get(heading) for row in body], digits)
+        for heading in _headings(body, chosen)
+    ]
+
+
+def _column(heading: str, values: Sequence[Any], digits: int) -> _Column:
+    cells = [_cell(heading, value, digits) for value in values]
+    return _Column(heading, cells, all(map(_is_number, values)))
+
+
+def _same(
+    table: list[_Column], above: Sequence[str]
+) -> tuple[list[str], list[_Column]]:
+    """Return (texts of the columns that are the same in all rows, the others)."""
+    same = [
+        column
+        for column in table
+        if _name(column.heading) in above and len(set(column.cells)) == 1
+    ]
+    if len(same) == len(table):
+        return [], table
+    texts = []
+    for column in same:
+        name, _, unit = column.heading.partition(" [")
+        texts.append(f"{name} {column.cells[0]} {unit.rstrip(']')}".rstrip())
+    return texts, [column for column in table if column not in same]
+
+
+def _long(
+    body: Sequence[Row], rest: Iterator[Row], digits: int, chosen: Sequence[str]
+) -> Iterator[str]:
+    """Yield the lines of a table of many rows, with the widths of the first ones."""
+    headings = list(dict.fromkeys(key for row in body for key in row))
+    known = {_name(heading): heading for heading in headings}
+    headings = [known[name] for name in chosen] or headings
+    table = [
+        _column(heading, [row.get(heading) for row in body], digits)
+        for heading in headings
+    ]
+    widths = [max(column.width, len(column.heading)) for column in table]
+    yield _line(headings, table, widths)
+    for i in range(len(body)):
+        yield _line([column.cells[i] for column in table], table, widths)
+    for row in rest:
+        cells = [_cell(heading, row.get(heading), digits) for heading in headings]
+        yield _line(cells, table, widths)
+
+
+def _line(
+    cells: Iterable[str],
+    table: Sequence[_Column],
+    widths: Sequence[int],
+    gap: str = _GAP,
+) -> str:
+    """Return cells side by side, numbers on the right of their columns."""
+    aligned = [
+        cell.rjust(width) if column.numeric else cell.ljust(width)
+        for cell, column, width in zip(cells, table, widths, strict=True)
+    ]
+    return gap.join(aligned).rstrip()
 
 
 def markdown_lines(
@@ -149,7 +226,7 @@ def markdown_lines(
 ) -> Iterator[str]:
     """Yield the lines of a table in Markdown; arguments as of `table_lines`."""
     table = _columns_of(list(rows), digits, chosen)
-    for i, row in enumerate(zip(*(column.cells for column in table), strict=True)):
+    for i, row in enumerate(_rows_of(table)):
         yield f"| {' | '.join(cell.replace('|', chr(92) + '|') for cell in row)} |"
         if not i:
             marks = ("---:" if column.numeric else "---" for column in table)
@@ -165,11 +242,16 @@ def latex_lines(
         return
     places = "".join("r" if column.numeric else "l" for column in table)
     yield f"\\begin{{tabular}}{{{places}}}"
-    for i, row in enumerate(zip(*(column.cells for column in table), strict=True)):
+    for i, row in enumerate(_rows_of(table)):
         yield " & ".join(map(_in_latex, row)) + r" \\"
         if not i:
             yield r"\hline"
     yield r"\end{tabular}"
+
+
+def _rows_of(table: Sequence[_Column]) -> Iterator[tuple[str, ...]]:
+    """Yield the headings and the cells of each row."""
+    return zip(*((column.heading, *column.cells) for column in table), strict=True)
 
 
 def _in_latex(text: str) -> str:
@@ -200,153 +282,124 @@ def _headings(body: Sequence[Row], chosen: Sequence[str]) -> list[str]:
     return [k for k in known.values() if any(row.get(k) not in empty for row in body)]
 
 
-def _breaks_headings(table: Sequence[_Column], width: int) -> bool:
-    """True if the headings of the keys have no room beside another column."""
-    if _together([column.width for column in table]) <= width:
-        return False
-    keys = [column for column in table if column.key] or list(table[:1])
-    others = [column for column in table if column not in keys]
-    return any(
-        found < column.heading_width
-        for found, column in zip(_key_widths(keys, others, width), keys, strict=True)
-    )
+class _Arranged(NamedTuple):
+    """Columns side by side."""
+
+    headings: list[list[str]]  # the lines of each heading
+    widths: list[int]
+    gap: str  # between two columns
 
 
-def _level(table: Sequence[_Column], width: int) -> Iterator[str]:
-    """Yield a line for each row; columns beyond the width stand in further blocks.
-
-    A key that has no room continues on the next line, so that two rows never look
-    alike; any other text is cut.
+def _arranged(
+    table: Sequence[_Column], width: int, whole: bool = False
+) -> _Arranged | None:
+    """Return the first of these arrangements that fits: headings in one line, in more
+    lines, a narrower gap, texts that go on below (not if `whole`); None if none does.
     """
-    for number, block in enumerate(_blocks(table, width)):
-        if number:
-            yield ""
-        for cells in zip(*(column.cells for column, _ in block), strict=True):
-            parts = []
-            for cell, (column, room) in zip(cells, block, strict=True):
-                parts.append(_wrapped(cell, room) if column.key else [_cut(cell, room)])
-            for line in zip_longest(*parts, fillvalue=""):
-                aligned = [
-                    text.rjust(room) if column.numeric else text.ljust(room)
-                    for text, (column, room) in zip(line, block, strict=True)
-                ]
-                yield _GAP.join(aligned).rstrip()
-
-
-def _blocks(
-    table: Sequence[_Column], width: int
-) -> Iterator[list[tuple[_Column, int]]]:
-    """Yield the columns of each block, the key columns first, with their widths."""
-    if _together([column.width for column in table]) <= width:
-        yield [(column, column.width) for column in table]
-        return
-
-    if not any(column.key for column in table):
-        table = [table[0]._replace(key=True), *table[1:]]
-    keys = [column for column in table if column.key]
-    others = [column for column in table if not column.key]
-    narrowed = _key_widths(keys, others, width)
-    begin = list(zip(keys, narrowed, strict=True))
-    left = max(width - sum(narrowed) - len(_GAP) * len(keys), _LEAST)
-
-    block, used = list(begin), 0
-    for column in others:
-        needed = min(column.width, left)
-        if used and used + len(_GAP) + needed > left:
-            yield block
-            block, used = list(begin), 0
-        used += needed + (len(_GAP) if used else 0)
-        block.append((column, needed))
-    yield block
-
-
-def _key_widths(
-    keys: Sequence[_Column], others: Sequence[_Column], width: int
-) -> list[int]:
-    """Return the widths of the key columns at the begin of each block.
-
-    The widest of the other columns takes up to half of the width, the keys the rest.
-    """
-    widest = max((column.width for column in others), default=-len(_GAP))
-    room = width - min(widest, width // 2) - len(_GAP)
-    natural = [column.width for column in keys]
-    return _narrowed(natural, room, [column.heading_width for column in keys])
-
-
-def _upright(table: Sequence[_Column], width: int) -> Iterator[str]:
-    """Yield a line for each quantity: its heading, and its value in each row.
-
-    Rows that have no room beside the others stand in further blocks. A value that is
-    still too long continues on the next line.
-    """
-    headings = [column.cells[0] for column in table]
-    first = max(map(len, headings))
-    room = max(width - first - len(_GAP), 1)
-    rest = [
-        list(row) for row in zip(*(column.cells[1:] for column in table), strict=True)
-    ]
-    begun = False
-    while rest:
-        count, widths = _abreast(rest, room)
-        block, rest = rest[:count], rest[count:]
-        if begun:
-            yield ""
-        begun = True
-        for heading, *values in zip(headings, *block, strict=True):
-            parts = [_wrapped(v, w) for v, w in zip(values, widths, strict=True)]
-            for line in zip_longest([heading], *parts, fillvalue=""):
-                cells = zip(line, [first, *widths], strict=True)
-                yield _GAP.join(text.ljust(w) for text, w in cells).rstrip()
-
-
-def _abreast(rows: Sequence[Sequence[str]], room: int) -> tuple[int, list[int]]:
-    """Return (number, widths) of the first rows that stand side by side: as many as fit
-    without a broken word, or one."""
-    natural = [max(map(len, cells)) for cells in rows]
-    for count in range(len(rows), 1, -1):
-        widths = _narrowed(natural[:count], room)
-        words = [
-            max((len(w) for c in cells for w in c.split()), default=0) for cells in rows
+    most = max(len(_parts(column.heading)) for column in table)
+    for tall, gap in (*((n, _GAP) for n in range(1, most + 1)), (most, " ")):
+        headings = [_broken(column.heading, tall) for column in table]
+        widths = [
+            max(column.width, *map(len, heading))
+            for column, heading in zip(table, headings, strict=True)
         ]
-        whole = all(w >= word for w, word in zip(widths, words[:count], strict=True))
-        if whole and _together(widths) <= room:
-            return count, widths
-    return 1, [min(natural[0], room)]
+        if _together(widths, gap) <= width:
+            return _Arranged(headings, widths, gap)
+    if whole:
+        return None
+    words = [
+        w
+        if column.numeric
+        else max(len(x) for x in (*heading, *" ".join(column.cells).split()))
+        for column, heading, w in zip(table, headings, widths, strict=True)
+    ]
+    widths = _narrowed(widths, width, words, " ")
+    fits = _together(widths, " ") <= width
+    return _Arranged(headings, widths, " ") if fits else None
 
 
-def _together(widths: Sequence[int]) -> int:
+def _parts(heading: str) -> list[str]:
+    """Return the parts of a heading: it is broken behind `_` and before a unit."""
+    return re.findall(r" ?\[.*| ?[^_ ]+_?", heading)
+
+
+def _broken(heading: str, tall: int) -> list[str]:
+    """Return a heading in so many lines at most, as narrow as they can be."""
+    parts = _parts(heading)
+    for width in range(max(map(len, parts), default=0), len(heading) + 1):
+        lines = [""]
+        for part in parts:
+            if len((lines[-1] + part).strip()) > width:
+                lines.append("")
+            lines[-1] = (lines[-1] + part).lstrip()
+        if len(lines) <= tall:
+            return lines
+    return [heading]
+
+
+def _level(table: Sequence[_Column], arranged: _Arranged) -> Iterator[str]:
+    """Yield the headings and a line for each row; a text that is longer than its column
+    goes on in the next line.
+    """
+    headings, widths, gap = arranged
+    tall = max(map(len, headings))
+    for parts in zip(*([""] * (tall - len(h)) + h for h in headings), strict=True):
+        yield _line(parts, table, widths, gap)
+    for cells in zip(*(column.cells for column in table), strict=True):
+        folded = [_wrapped(x, w) for x, w in zip(cells, widths, strict=True)]
+        for parts in zip_longest(*folded, fillvalue=""):
+            yield _line(parts, table, widths, gap)
+
+
+def _upright(table: Sequence[_Column], width: int) -> list[str] | None:
+    """Return a line for each quantity: its heading, and its value in each row; None if
+    the rows do not fit side by side. A value that is still too long goes on in the next
+    line.
+    """
+    first = max(len(column.heading) for column in table)
+    room = max(width - first - len(_GAP), 1)
+    rows = list(zip(*(column.cells for column in table), strict=True))
+    natural = [max(map(len, cells)) for cells in rows]
+    words = [
+        max(len(w) for c in (" ", *cells) for w in (c.split() or [""]))
+        for cells in rows
+    ]
+    least = words if len(rows) > 1 else [min(_LEAST, room)]
+    widths = _narrowed(natural, room, least)
+    if len(rows) > 1 and _together(widths) > room:
+        return None
+    lines = []
+    for column in table:
+        parts = [_wrapped(v, w) for v, w in zip(column.cells, widths, strict=True)]
+        for line in zip_longest([column.heading], *parts, fillvalue=""):
+            cells = zip(line, [first, *widths], strict=True)
+            lines.append(_GAP.join(text.ljust(w) for text, w in cells).rstrip())
+    return lines
+
+
+def _together(widths: Sequence[int], gap: str = _GAP) -> int:
     """Return the width of columns of these widths side by side."""
-    return sum(widths) + len(_GAP) * (len(widths) - 1)
+    return sum(widths) + len(gap) * (len(widths) - 1)
 
 
-def _narrowed(widths: Sequence[int], room: int, kept: Sequence[int] = ()) -> list[int]:
-    """Return widths of columns that together fit into `room`: the widest give way.
-
-    kept: width of each column that gives way after all that lies above these widths.
+def _narrowed(
+    widths: Sequence[int], room: int, least: Sequence[int], gap: str = _GAP
+) -> list[int]:
+    """Return widths of columns that together fit into `room`: the widest give way, none
+    below `least`.
     """
     found = list(widths)
-    for least in (kept, []):
-        floors = [max(one, _LEAST) for one in least] or [_LEAST] * len(found)
-        while _together(found) > room:
-            able = [
-                i
-                for i, (w, floor) in enumerate(zip(found, floors, strict=True))
-                if w > floor
-            ]
-            if not able:
-                break
-            found[max(able, key=lambda i: found[i])] -= 1
+    while _together(found, gap) > room:
+        able = [i for i, floor in enumerate(least) if found[i] > floor]
+        if not able:
+            break
+        found[max(able, key=lambda i: found[i])] -= 1
     return found
 
 
 def _wrapped(cell: str, width: int) -> list[str]:
     """Return the lines of a cell in this width."""
     return [cell] if len(cell) <= width else wrap(cell, width)
-
-
-def _cut(cell: str, width: int) -> str:
-    """Return a cell, shortened to the width."""
-    return cell if len(cell) <= width else f"{cell[: width - 3]}..."
 
 
 def _is_number(value: Any) -> bool:
@@ -380,15 +433,13 @@ def lines(
     *,
     encoding: str = "utf-8",
     units: Units | None = None,
-    keys: Sequence[str] = (),
     **table: Any,
 ) -> Iterator[str]:
     """Yield the rows as lines of `json`, or in `units` as those of `csv`,
     `csv-semicolon`, `markdown`, `latex` or `table`.
 
-    columns: the header of a CSV without rows; units: None for SI; keys: the columns
-    that say which row it is, repeated in every block of a table; table: further
-    arguments of `table_lines`.
+    columns: the header of a CSV without rows; units: None for SI; table: further
+    arguments of `table_lines`, whose columns have the names of `rows`.
     """
     if form == "json":
         return (json_line(r, encoding) for r in rows)
@@ -398,8 +449,10 @@ def lines(
         return csv_lines(units.shown(map(flat, rows)), headings, form != "csv")
     if form in MARKED:
         return MARKED[form](units.shown(rows), table["digits"], table["chosen"])
-    named = [units.column(key)[0] for key in keys]
-    return table_lines(units.shown(rows), keys=named, **table)
+    for names in ("above", "spare"):
+        if names in table:
+            table[names] = [units.column(name)[0] for name in table[names]]
+    return table_lines(units.shown(rows), **table)
 
 
 MARKED = {"markdown": markdown_lines, "latex": latex_lines}

@@ -16,8 +16,6 @@ from .history import quarter_period
 from .time_history import TimeHistory, time_history
 
 # The columns that say which row it is: of a structure, and of a point of a curve.
-KEYS = ("structure",)
-CURVE_KEYS = ("structure", "model", "t")
 RELEASES = (0.3, 0.6, 0.9)  # theta/alpha of the free quarter periods (Fig. 7b)
 _SAMPLES = 4001
 _SHAKEN = 201  # times at least of a curve while the ground moves

@@ -37,8 +37,6 @@ NAMED = (
     *("outcome", "outcome_linear", "outcome_nonlinear"),
     *("a_g", "omega_g", "demand_A", "Omega", "friction"),
 )
-KEYS = ("t", "tau")  # the columns that say which row it is
-EVENT_KEYS = ("model", "event", *KEYS)
 IMPULSES = ("impulse_x", "impulse_z")  # over m g [s], over m g p if dimensionless
 _BEFORE = 2.0 - LATE**4  # of the time of an impact: just before it
 STILL = Motion("free rocking", (Piece(0.0, 1.0),))

@@ -14,12 +14,12 @@ CHECK_COLUMNS = (
     "motion",
     "model",
     "outcome",
-    "theta_ratio",
-    "top_displacement",
-    "demand_a",
-    "uplift_a",
-    "first_overturning_a",
     "capacity_demand",
+    "first_overturning_a",
+    "uplift_a",
+    "top_displacement",
+    "theta_ratio",
+    "demand_a",
     "safe_to",
     "searched_to",
     "outcome_linear",
@@ -27,6 +27,7 @@ CHECK_COLUMNS = (
     "fz_min",
     "omega_g",
 )
+DECISIVE = (*CHECK_KEYS, *CHECK_COLUMNS[3:8], "demand_a")  # those of every table
 TIED_COLUMNS = (
     "first_overturning_a_free",
     "tie_force",
@@ -232,8 +233,7 @@ class Verdict(Shown):
             "outcome": self.outcome.flag,
             "outcome_linear": self.outcome_linear.flag,
         }
-        keys = {key: own[key] for key in CHECK_KEYS}
-        found = keys | dict(self.ranged) | {key: own[key] for key in CHECK_COLUMNS}
+        found = {key: own[key] for key in CHECK_COLUMNS} | dict(self.ranged)
         if self.opens is not None:
             found["opens"] = self.opens
         if self.lost_in_fall:

@@ -221,7 +221,7 @@ def test_the_code_and_the_dynamics_share_a_floor(rocking):
     call = ("check", "block:0.5x2", *RECORD, "--scale", "0.4", "--code", "ntc2018")
     call = (*call, "--verdict-only", "--json")
     floor = ("--floor", FLOOR[1])
-    alone, both = rocking(*call, *floor), rocking(*call, *floor, *FLOOR)
+    alone, both = rocking(*call, *floor), rocking(*call, *floor, *FLOOR, "--notes")
     for key in ("code_linear", "code_slv", "code_slc"):
         assert alone.record[key] == pytest.approx(both.record[key], rel=1e-12)
     assert "not of the floor" in alone.stderr

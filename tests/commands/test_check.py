@@ -97,11 +97,14 @@ def test_the_table_speaks_the_unit_of_the_request(rocking):
         ).stdout
         for a in ("0.35g", "3.4335")
     )
-    assert (in_g, in_si) == ("uplift_a [g]  0.2\n", "uplift_a [m/s2]  1.962\n")
+    assert (in_g, in_si) == (
+        "uplift_a [g]\n         0.2\n",
+        "uplift_a [m/s2]\n          1.962\n",
+    )
     assert (
         rocking("check", STATED, *SHAKING, "--csv").stdout.splitlines()[0]
-        == "structure,motion,model,outcome,theta_ratio,top_displacement [m],demand_a"
-        " [m/s2],uplift_a [m/s2],first_overturning_a [m/s2],capacity_demand,safe_to"
+        == "structure,motion,model,outcome,capacity_demand,first_overturning_a [m/s2]"
+        ",uplift_a [m/s2],top_displacement [m],theta_ratio,demand_a [m/s2],safe_to"
         " [m/s2],searched_to [m/s2],outcome_linear,friction_needed,fz_min,omega_g"
         " [rad/s]"
     )
@@ -109,7 +112,8 @@ def test_the_table_speaks_the_unit_of_the_request(rocking):
 
 def test_the_demand_is_a_column_and_both_readings_of_a_bare_number_are_told(rocking):
     record = ("--motion", "configs/motions/synthetic.at2", "--scale-to", "PGA=0.4")
-    done = rocking("check", "configs/block.yaml", *record, "--verdict-only", "--json")
+    call = ("check", "configs/block.yaml", *record, "--verdict-only", "--json")
+    done = rocking(*call, "--notes")
     assert done.stderr.splitlines()[:2] == [
         "demand: PGA 0.4 m/s2 = 0.0408 g",
         "PGA=0.4: 0.4 without a unit is 0.4 m/s2 = 0.0408 g; 0.4 g would be 3.924 m/s2",
@@ -123,7 +127,7 @@ def test_the_demand_is_a_column_and_both_readings_of_a_bare_number_are_told(rock
         "--f-g",
         "1.5",
         "--events",
-        "--json",
+        *("--json", "--notes"),
     )
     assert done.stderr.splitlines()[0] == "demand: a_g 3.4335 m/s2 = 0.35 g, f_g 1.5 Hz"
     assert "without a unit" not in done.stderr
@@ -355,10 +359,8 @@ def test_a_body_that_nothing_overturns_has_a_capacity_above_the_limit_of_the_sea
         ("0.09g", "> 3.333", "0.3"),
         ("0.16g", "> 2", "0.32"),
     ):
-        lines = rocking(*call, "--a-g", a_g).stdout.splitlines()
-        assert [
-            line.split(maxsplit=1)[1].removeprefix("[g]").strip() for line in lines
-        ] == [shown, to]
+        _, line = rocking(*call, "--a-g", a_g).stdout.splitlines()
+        assert line.split() == [*shown.split(), to]
     row = rocking(*call[:-2], "--a-g", "0.1g", "--json").record
     assert (row["capacity_demand"], row["searched_to"]) == (
         None,
@@ -541,7 +543,7 @@ def test_commands_over_many_motions_follow_each_interface_of_a_stack(rocking, tm
 def test_a_tie_of_a_body_at_rest_is_said_to_be_not_stretched(rocking):
     done = rocking(
         *("check", "configs/wall_tied.yaml", "--a-g", "0.02g", "--f-g", "1"),
-        "--verdict-only",
+        *("--verdict-only", "--notes"),
     )
     assert "tie 1 elastic, not stretched, at its prestress of 5000 N" in done.stderr
 
@@ -824,12 +826,15 @@ def test_the_worst_frequency_at_an_end_of_the_range_is_told(rocking, more):
     assert "worst at" not in inside.stderr
 
 
+NOTED = ("--json", "--notes")
+
+
 @pytest.mark.parametrize(
     "more", [("--a-max", "1.2"), ("--verdict-only",)], ids=["searched", "outcomes"]
 )
 def test_under_a_demand_below_uplift_no_frequency_is_the_worst(rocking, more):
     """Nothing overturns up to --a-max, so that the frequencies differ in nothing."""
-    done = rocking("check", STATED, "--a-g", "0.19g", "--f-g", "2:3", *more, "--json")
+    done = rocking("check", STATED, "--a-g", "0.19g", "--f-g", "2:3", *more, *NOTED)
     row = done.record
     assert (row["outcome"], row["worst_f_g"], row["worst_f_g_end"]) == (
         "no_uplift",
@@ -1070,3 +1075,39 @@ def test_of_many_bodies_that_fall_the_first_are_named(rocking, tmp_path):
     )
     names = ", ".join(f"b{i}" for i in range(10))
     assert f"14 of 14 overturn: {names} and 4 more\n" in done.stderr
+
+
+STATUES = "\n".join(
+    [
+        "name,kind,width [m],height [m],room,inventory number",
+        *(f"Statue {i},block,{0.3 + i / 50:g},2.1,hall,A {i}" for i in range(12)),
+    ]
+)
+
+
+def test_people_see_one_block_of_80_columns_and_a_line_of_verdict(rocking, tmp_path):
+    (tmp_path / "m.csv").write_text(STATUES)
+    demand = ("--a-g", "0.2g", "--f-g", "1:2")
+    few, every = (
+        rocking("check", "m.csv", *demand, "--a-max", "3", *more)
+        for more in ((), ("--notes", "--columns", "all"))
+    )
+    above, blank, *table = few.stdout.splitlines()
+    assert above.startswith("room hall; motion sine 1 cycle; demand_a 0.2 g")
+    assert (blank, max(map(len, table)) <= 80) == ("", True)
+    words = (
+        "structure outcome capacity_ demand first_ overturning_ uplift_ displacement"
+    )
+    assert set(words.split()) <= set(" ".join(table[:-12]).split())
+    assert [line.split()[1] for line in table[-12:]] == [str(i) for i in range(12)]
+    verdict, *others = few.stderr.splitlines()
+    assert verdict == "2 of 12 overturn: Statue 0, Statue 1"
+    assert all(line.startswith("worst at the ") for line in others)
+    assert len(others) <= 1
+    assert "outcome_linear" in every.stdout
+    assert "model: nonlinear" in every.stderr
+    assert "intervals narrower than" in every.stderr
+    header = rocking(
+        *("check", "m.csv", *demand, "--verdict-only", "-q", "--csv"), "--columns=all"
+    ).stdout
+    assert "outcome_linear" in header.splitlines()[0]

@@ -110,7 +110,15 @@ def test_a_spectrum_is_that_of_one_limit_state(rocking, refused, site):
 def test_a_floor_is_told_and_a_figure_is_drawn(rocking, site, tmp_path):
     floor = ("--floor", "T=0.4,xi=0.05,gamma_psi=1.3", "--fc", "1.35")
     done = rocking(
-        *BLOCK, "--code", "ntc2018", "--spectrum", site, *floor, "-o", "curve.svg"
+        *BLOCK,
+        "--code",
+        "ntc2018",
+        "--spectrum",
+        site,
+        *floor,
+        "-o",
+        "curve.svg",
+        "--notes",
     )
     assert done.returncode == 0, done.stderr
     assert "FC = 1.35, spectrum of SLV of site: 0.2 g on a floor" in done.stderr

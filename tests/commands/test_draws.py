@@ -44,7 +44,7 @@ def test_check_gives_the_share_that_falls(rocking, workers):
 
 def test_quantiles_of_the_first_overturning_have_the_units_of_the_table(rocking):
     call = ("check", WALL, *DEMAND, "--draws", "16", "--units", "g")
-    done = rocking(*call)
+    done = rocking(*call, "--columns", "all")
     assert "first_overturning_a_q50 [g]" in done.stdout
     row = rocking("check", WALL, *DEMAND, "--draws", "16", "--json").record
     quantiles = [row[f"first_overturning_a_{q}"] for q in ("q05", "q50", "q95")]

@@ -3,6 +3,7 @@
 import csv
 import io
 import json
+import re
 
 import numpy as np
 import pytest
@@ -83,10 +84,10 @@ def test_the_table_of_counts_has_the_unit_of_their_levels(
     (tmp_path / "c.csv").write_text(f"{heading},n,z\n" + "".join(rows))
     call = ("fragility", "--counts", "c.csv", "--bootstrap", "0")
     unit, si = ("cm/s", 0.01) if "cm/s" in heading else ("g", 9.81)
-    shown = dict(
-        line.rsplit(maxsplit=1)
-        for line in rocking(*call, "--digits", "9").stdout.splitlines()
-    )
+    heads, cells = rocking(
+        *call, "--digits", "9", "--columns", "median,n"
+    ).stdout.splitlines()
+    shown = dict(zip(re.split("  +", heads.strip()), cells.split(), strict=True))
     stored = rocking(*call, "--json").record["median"]
     assert float(shown[f"median [{unit}]"]) * si == pytest.approx(
         stored, rel=1e-8, abs=0
@@ -145,8 +146,7 @@ def test_limit_states_and_methods_are_rows(rocking):
         "--digits",
         "8",
     ).stdout
-    assert table.splitlines()[0].split() == ["im", "PGA"]
-    assert table.splitlines()[1].startswith("median [g]  ")
+    assert table.splitlines()[0].split() == ["im", "median", "[g]"]
     assert float(table.split()[-1]) == pytest.approx(
         float(rows[1]["median"]) / 9.81, rel=1e-7
     )
@@ -227,7 +227,7 @@ def test_what_the_data_do_not_bear_is_said_and_the_rest_kept(rocking):
         "0",
     )
     assert done.returncode == 4
-    assert "limit_state  overturning\n" in done.stdout
+    assert done.stdout.count("overturning") == 1
     assert "Stated, 0.001, stripes: 0 levels with some records beyond" in done.stderr
 
 

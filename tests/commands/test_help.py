@@ -22,9 +22,7 @@ def test_all_are_listed(rocking):
     for name, summary in (COMMANDS | TOPICS).items():
         assert re.search(rf"^  {name} +{summary[:40]}", done.stdout, re.MULTILINE), name
     for topic in TOPICS:
-        shown = rocking("help", topic).stdout
-        assert shown.startswith(page(topic))
-        assert (shown == page(topic) != "") or topic == "motions"
+        assert rocking("help", topic).stdout == page(topic) != ""
 
 
 @pytest.mark.parametrize("command", COMMANDS)
@@ -41,39 +39,19 @@ def test_a_command_has_its_options_and_then_its_page(rocking, command):
             assert parameter.help, f"{parameter.opts[-1]} says nothing"
 
 
-def options_apart():
-    """The options of all commands that stand in the page of a topic: (command, topic,
-    option).
-    """
-    for name in COMMANDS:
-        command = cli.get_command(click.Context(cli), name)
-        for parameter in command.params:
-            if (topic := command.topics.get(parameter.name)) is not None:
-                yield name, topic, parameter
-
-
-def test_the_motion_options_stand_once_with_their_meaning_and_work(rocking):
-    apart = list(options_apart())
-    assert {name for name, _, _ in apart} >= {"check", "response", "spectrum"}
-    assert {topic for _, topic, _ in apart} == {"motions"}
-    shown = " ".join(rocking("help", "motions").stdout.split())
-    for _, _, option in apart:
-        flags, meaning = option.get_help_record(click.Context(cli))
-        assert flags in shown
-        assert " ".join(meaning.split())[:30] in shown
+def test_the_options_of_a_file_stand_once_beside_it(rocking):
     text = rocking("check", "--help").stdout
-    assert "Options of motions (rocking help motions):\n  --pulse, --cycles" in text
-    assert "Cycles of a sine" not in text
+    assert "--motion FILE[,unit=g,column=2,dt=0.01,skip=5,component=NS]" in text
+    assert "--unit " not in text
     assert "Column of a table of numbers" in rocking("records", "--help-all").stdout
 
 
 @pytest.mark.parametrize("command", COMMANDS)
 def test_the_help_shows_what_a_command_needs_and_names_the_way_to_all(rocking, command):
-    few, every = (
-        rocking(command, asked).stdout.partition("Options of")[0]
-        for asked in ("--help", "--help-all")
-    )
-    options = re.findall(r"^  (-\S.*?)  ", few + "\n", re.MULTILINE)
+    few, every = (rocking(command, asked).stdout for asked in ("--help", "--help-all"))
+    _, _, few = few.partition("\nOptions:\n")
+    few = few.partition("\n\n  Example:")[0]
+    options = re.findall(r"^  (-\S*)", few, re.MULTILINE)
     assert "--help-all" in few
     assert len(options) <= 13, options
     assert len(every) >= len(few)
@@ -138,16 +116,12 @@ FIRST = {
     ],
 )
 def test_examples_and_pages_run_in_order_anywhere(rocking, tmp_path, name, count):
-    """In an empty folder, where `configs` is found in the package, and shortened; no
-    line of a table is wider than 100 columns.
-    """
+    """In an empty folder, where `configs` is found in the package, and shortened."""
     (tmp_path / "configs").unlink()
     shown = example(rocking, name) if name in COMMANDS else []
     shown += re.findall(r"^    (rocking .*)$", page(name), re.MULTILINE)
     for line in list(dict.fromkeys(shown))[:count]:
-        printed = shell(rocking, shortened(line), tmp_path)
-        if not re.search(r"--(json|csv|documents)|convert", line):
-            assert max(map(len, printed.splitlines()), default=0) <= 100
+        shell(rocking, shortened(line), tmp_path)
 
 
 @pytest.mark.parametrize("name", FIRST)

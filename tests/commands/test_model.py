@@ -29,6 +29,12 @@ LINEAR, NONLINEAR = (
 )
 
 
+@pytest.fixture
+def noted(rocking):
+    """`rocking` with every line on standard error."""
+    return lambda *words, **more: rocking(*words, "--notes", **more)
+
+
 def said(done) -> list[str]:
     assert done.returncode == 0, done.stderr
     return [line for line in done.stderr.splitlines() if line.startswith("model:")]
@@ -36,41 +42,39 @@ def said(done) -> list[str]:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("command", COMMANDS)
-def test_the_axes_and_the_geometry_decide(rocking, command):
+def test_the_axes_and_the_geometry_decide(noted, command):
     units, bare = COMMANDS[command]
     again = ("--overwrite",) if command == "spectrum" else ()
-    assert said(rocking(command, "configs/block.yaml", *units)) == [NONLINEAR]
-    assert said(rocking(command, "configs/block.yaml", *bare, *again)) == [LINEAR]
+    assert said(noted(command, "configs/block.yaml", *units)) == [NONLINEAR]
+    assert said(noted(command, "configs/block.yaml", *bare, *again)) == [LINEAR]
     stated = "model: linear, since the geometry of Measured arch is not known"
-    assert said(rocking(command, "configs/parameters.yaml", *units, *again)) == [stated]
+    assert said(noted(command, "configs/parameters.yaml", *units, *again)) == [stated]
     if command in WITH_MODEL:
         assert said(
-            rocking(command, "configs/block.yaml", *units, *again, "--model", "linear")
+            noted(command, "configs/block.yaml", *units, *again, "--model", "linear")
         ) == ["model: linear"]
         assert said(
-            rocking(
-                command, "configs/block.yaml", *bare, *again, "--model", "nonlinear"
-            )
+            noted(command, "configs/block.yaml", *bare, *again, "--model", "nonlinear")
         ) == [NONLINEAR]
 
 
 @pytest.mark.parametrize("command", [*COMMANDS, "fragility"])
-def test_help_states_the_rule(rocking, command):
-    text = " ".join(rocking(command, "--help").stdout.split()).casefold()
+def test_help_states_the_rule(noted, command):
+    text = " ".join(noted(command, "--help").stdout.split()).casefold()
     assert "nonlinear for a known geometry in units" in text
     assert "linear on dimensionless axes" in text
 
 
-def test_free_rocking_and_records_have_units(rocking):
+def test_free_rocking_and_records_have_units(noted):
     record = ("--motion", "configs/motions/synthetic.at2")
     assert said(
-        rocking("response", "configs/block.yaml", "--release", "0.5", "--csv")
+        noted("response", "configs/block.yaml", "--release", "0.5", "--csv")
     ) == [NONLINEAR]
     assert said(
-        rocking("response", "configs/block.yaml", *record, "--A", "1.5", "--csv")
+        noted("response", "configs/block.yaml", *record, "--A", "1.5", "--csv")
     ) == [NONLINEAR]
     assert said(
-        rocking(
+        noted(
             "check",
             "configs/block.yaml",
             "configs/parameters.yaml",

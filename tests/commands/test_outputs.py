@@ -247,7 +247,7 @@ def test_a_backend_that_does_not_exist_is_told(tmp_path):
 
 def test_rows_have_one_form(rocking):
     rows = rocking("params", "block:0.5x2", "--format", "markdown", "-q").stdout
-    assert rows.startswith("| name | structure_kind | p [rad/s] |")
+    assert rows.startswith("| name | p [rad/s] | alpha [rad] |")
     for other in ("--json", "--csv"):
         done = rocking("params", "block:0.5x2", other, "--format", "latex")
         assert done.returncode == 2

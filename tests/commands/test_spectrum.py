@@ -37,7 +37,7 @@ def test_summary_and_file(rocking, tmp_path):
         SMALL,
         "-o",
         "s.h5",
-        "--json",
+        *("--json", "--notes"),
     )
     assert done.returncode == 0, done.stderr
     record = done.record

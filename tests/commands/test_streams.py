@@ -149,6 +149,6 @@ def test_more_workers_than_cpus_are_reduced_with_a_line(rocking, monkeypatch):
     monkeypatch.setattr("rocking_cli.processes.available_cpus", lambda: 1)
     sweep = (*SWEEP.split(), "--overwrite", "-o", "s.h5", "--workers")
     said = "--workers 64: reduced to 1, the number of available CPUs\n"
-    assert rocking(*sweep, "64").stderr.startswith(said)
-    assert said not in rocking(*sweep, "1").stderr
+    assert rocking(*sweep, "64", "--notes").stderr.startswith(said)
+    assert said not in rocking(*sweep, "1", "--notes").stderr
     assert rocking(*sweep, "64", "-q").stderr == ""

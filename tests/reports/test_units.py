@@ -62,12 +62,9 @@ def test_headings_tell_si_units_and_those_asked_for():
 
 
 def test_a_table_says_the_same_and_json_does_not_change():
-    shown = [
-        line.split("  ", 1)[0] + line.split()[-1]
-        for line in lines([RECORD], "table", units=parse_units("g,deg"))
-    ]
-    assert any(line.startswith("a_from [g]") for line in shown)
-    assert any(line.endswith("180") for line in shown)
+    shown = list(lines([RECORD], "table", units=parse_units("g,deg"), width=200))
+    assert "a_from [g]" in shown[0]
+    assert "180" in shown[1].split()
     (line,) = lines([RECORD], "json", units=parse_units("g,deg"))
     assert json.loads(line) == RECORD
 
