@@ -183,17 +183,16 @@ def parameters_of(
 def _mechanism(document: Document, body: RigidBody, mass: float) -> PlanarMechanism:
     """Return a rigid body with its loads as a mechanism. Raises DocumentError."""
     (_, left), *_, (_, right) = body.drawing.pivots
-    edge, centre = body.edges(1.0)[1], body.drawing.centre
-    if edge.arm is None or centre is None:
+    centre = body.drawing.centre
+    if body.eta is not None or centre is None:
         raise document.fault(
             "loads",
             "loads on a body with other parts on each edge",
             "a body that rocks as a whole on both edges",
         )
-    # I_P/m = R g/p^2 (Eq. 2.3), and the parallel axis
-    square = max(0.0, edge.arm / edge.p**2 - edge.arm**2)
+    inertia = mass / body.moments.mass * max(0.0, body.moments.central)
     # its base between the pivots: its only face
-    whole = PlanarBody(BODY, mass, centre, mass * square, (left, right, centre))
+    whole = PlanarBody(BODY, mass, centre, inertia, (left, right, centre))
     loads = loads_of(document, top_of(body.drawing), 0.5 * (left[0] + right[0]))
     sides = []
     for name, pivot, bearing in (

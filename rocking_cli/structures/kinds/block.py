@@ -1,16 +1,14 @@
 """The rigid rectangular block (Fig. 1 left, Eqs. 2.1-2.6)."""
 
-import math
-
 from ...documents.document import Document
 from ...documents.keys import Keys, length
 from ..mechanics.single_body import (
     RigidBody,
-    radius_and_alpha,
+    half_and_height,
     rectangle_body,
     sizes,
 )
-from ..mechanics.toe import strip_foot
+from ..mechanics.toe import foot_of
 from ..shared_keys import DENSITY
 
 REPORTS = ()
@@ -28,12 +26,11 @@ def body(document: Document) -> RigidBody:
     """Return a block from width and height, or from radius (half the diagonal) and
     alpha; density and depth (across the rocking) give its mass. Raises DocumentError.
     """
-    radius, alpha = radius_and_alpha(document)
-    width, height = 2.0 * radius * math.sin(alpha), 2.0 * radius * math.cos(alpha)
-    foot, details = strip_foot(document, width, width * height, "depth")
+    width, height = (2.0 * x for x in half_and_height(document))
+    foot, details = foot_of(document, width, width * height, "depth")
     return rectangle_body(
-        radius,
-        alpha,
+        width,
+        height,
         limit="a block with alpha up to 54.7 deg (width/height up to 1.414)",
         foot=foot,
         details=details,

@@ -13,7 +13,8 @@ from functools import partial
 
 from ...documents.document import Document
 from ...documents.keys import Key, Keys
-from ..mechanics.single_body import RigidBody, equal_edges, radius_and_alpha, sizes
+from ..mechanics.moments import Moments
+from ..mechanics.single_body import RigidBody, half_and_height, sizes
 from ..sketch import Sketch, rectangle, turned
 
 REPORTS = ("cap_ratio",)
@@ -34,43 +35,33 @@ def body(document: Document) -> RigidBody:
     shows up to six columns.
     """
     count, gamma = document.integer("columns"), document.quantity("cap_ratio")
-    return _frame(min(count, 6), gamma, *radius_and_alpha(document))
+    return _frame(min(count, 6), gamma, *half_and_height(document))
 
 
 def _frame(
-    drawn: int, gamma: float, radius: float, alpha: float, inset: float = 0.0
+    drawn: int, gamma: float, half: float, z: float, inset: float = 0.0
 ) -> RigidBody:
-    """Return the body of a frame with columns of this half diagonal; inset: that of the
-    pivots [m]; drawn: the number of drawn columns.
+    """Return the body of a frame with columns of this half width and half height [m];
+    inset: that of the pivots [m]; drawn: the number of drawn columns.
     """
-    edge, height = radius * math.sin(alpha), 2.0 * radius * math.cos(alpha)
-    drawing = _drawing(edge, height, inset, drawn)
-    inset_by = partial(_frame, drawn, gamma, radius, alpha)
-    column = 4.0 / 3.0  # I/(m R^2) of a column about its edge
-    if inset:
-        arm = math.hypot(edge - inset, 0.5 * height)
-        column = 1.0 + (radius / arm) ** 2 / 3.0
-        radius, alpha = arm, math.atan2(edge - inset, 0.5 * height)
-    # The mass of the beam moves on the diagonal 2 R: it adds 2 gamma to M R and 4 gamma
-    # to I/(M R^2).
-    inertia = (column + 4.0 * gamma) / (1.0 + 2.0 * gamma)
-    beam = 4.0 / column * gamma  # I of the beam over that of the columns
-    eta = (1.0 - 2.0 / column * math.sin(alpha) ** 2 + beam * math.cos(2.0 * alpha)) / (
-        1.0 + beam
-    )
-    return equal_edges(
-        radius,
-        alpha,
-        inertia,
-        eta=eta,
-        whole=False,
+    edge, central = half - inset, (half**2 + z**2) / 3.0  # I_G/m of a column
+    # The mass of the beam moves on the diagonal 2 R: it adds 2 gamma to M R, 4 gamma to
+    # I/(M R^2), and 4 gamma cos 2 alpha to the angular momentum after the impact.
+    square, turned_back = (edge**2 + z**2, z**2 - edge**2)  # R^2, R^2 cos 2 alpha
+    inertia = central + (1.0 + 4.0 * gamma) * square
+    kept = central + (1.0 + 4.0 * gamma) * turned_back
+    carried = 1.0 + 2.0 * gamma
+    return RigidBody(
+        moments=Moments.of(1.0, (0.0, z), inertia / carried - square),
+        half=edge,
+        eta=kept / inertia,
         limit="more slender columns",
         foot="a frame, whose columns share the weight of the beam",
         details={"cap_ratio": gamma},
-        drawing=drawing,
-        inset_by=inset_by,
-        crown=height,
-        share=(1.0 + 2.0 * gamma) / (1.0 + gamma),
+        drawing=_drawing(half, 2.0 * z, inset, drawn),
+        moved=partial(_frame, drawn, gamma, half, z),
+        crown=2.0 * z,
+        share=carried / (1.0 + gamma),
     )
 
 

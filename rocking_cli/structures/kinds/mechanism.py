@@ -27,6 +27,7 @@ from ..mechanics.linkage import Linkage
 from ..mechanics.linkage_drawing import drawn
 from ..mechanics.moments import BOTH
 from ..mechanics.planar_mechanism import PlanarMechanism, find_mechanism
+from ..mechanics.plane import polygon_moments
 from ..parameters import RockingParameters
 from ..shared_keys import (
     DENSITY,
@@ -38,7 +39,7 @@ from ..shared_keys import (
     mass_of_load,
 )
 from ..sketch import Point, Sketch
-from .prism import CORNERS, corners_of, polygon_moments
+from .prism import CORNERS, corners_of
 
 REPORTS = (
     "a_scale_3_7",
@@ -176,15 +177,11 @@ def _body(part: Document, name: str) -> PlanarBody:
     if not outline:
         raise part.missing("corners", "the outline, with density; or mass and centre")
     density, across = part.quantity("density"), part.optional("length") or 1.0
-    section = polygon_moments(outline)
-    x, z = section.x / section.mass, section.z / section.mass
-    # moments about the centroid lose digits far from it: move the outline there
+    x, z = polygon_moments(outline).centre
+    # moments lose digits far from the centroid: move the outline there
     central = polygon_moments([(a - x, b - z) for a, b in outline])
-    x, z = x + central.x / central.mass, z + central.z / central.mass
-    scale = density * across
-    return PlanarBody(
-        name, scale * central.mass, (x, z), scale * central.polar, outline
-    )
+    body = PlanarBody.of(name, central.times(density * across), outline)
+    return body._replace(centre=(x + body.centre[0], z + body.centre[1]))
 
 
 def _point(part: Document, key: str) -> Point:

@@ -4,7 +4,8 @@ import math
 
 from ...documents.document import Document
 from ...documents.keys import Keys
-from ..mechanics.single_body import RigidBody, equal_edges, radius_and_alpha, sizes
+from ..mechanics.moments import Moments
+from ..mechanics.single_body import RigidBody, half_and_height, sizes
 from ..sketch import circle, rocker
 
 REPORTS = ()
@@ -24,16 +25,21 @@ def body(document: Document) -> RigidBody:
     """Return a mass on two struts from width (distance of the supports) and height, or
     from radius (length of a strut) and alpha. Raises DocumentError.
     """
-    radius, alpha = radius_and_alpha(document, 1.0)
-    half, mass = radius * math.sin(alpha), (0.0, radius * math.cos(alpha))
+    half, height = half_and_height(document, 1.0)
+    mass = (0.0, height)
     feet = (-half, 0.0), (half, 0.0)
     drawing = rocker(
-        [(feet[0], mass), (feet[1], mass), circle(mass, 0.05 * radius)], *feet, mass
+        [
+            (feet[0], mass),
+            (feet[1], mass),
+            circle(mass, 0.05 * math.hypot(half, height)),
+        ],
+        *feet,
+        mass,
     )
-    return equal_edges(
-        radius,
-        alpha,
-        1.0,
+    return RigidBody(
+        moments=Moments.of(1.0, mass, 0.0),
+        half=half,
         limit="a point mass with alpha up to 45 deg",
         foot="a point mass, whose struts have no contact area",
         drawing=drawing,

@@ -6,15 +6,14 @@ corner, the leftmost of several.
 
 import math
 from collections.abc import Sequence
-from itertools import combinations, pairwise
 
 from ...documents.document import Document
 from ...documents.keys import Key, Keys, length
-from ..mechanics.moments import Moments
-from ..mechanics.single_body import RigidBody, body_on_edges
-from ..mechanics.toe import strip_foot
+from ..mechanics.plane import crosses_itself, polygon_moments
+from ..mechanics.single_body import RigidBody
+from ..mechanics.toe import foot_of
 from ..shared_keys import DENSITY
-from ..sketch import rocker
+from ..sketch import Point, rocker
 
 REPORTS = ("direction",)
 CORNERS = {"corners": Key("pairs", "[x, z] in order around the section")}
@@ -22,25 +21,6 @@ KEYS = Keys(
     CORNERS,
     {"density": DENSITY, "length": length("across the rocking, with a density")},
 )
-
-Corner = tuple[float, float]
-
-
-def polygon_moments(corners: Sequence[Corner]) -> Moments:
-    """Return mass, first moments and polar moment of a polygon of unit density, by
-    Green's theorem. corners: (x, z) [m], counterclockwise; in clockwise order all four
-    have the opposite sign.
-    """
-    mass = x = z = polar = 0.0
-    for (x1, z1), (x2, z2) in pairwise([*corners, corners[0]]):
-        cross = x1 * z2 - x2 * z1
-        mass += cross / 2.0
-        x += cross * (x1 + x2) / 6.0
-        z += cross * (z1 + z2) / 6.0
-        polar += (
-            cross * (x1 * x1 + x1 * x2 + x2 * x2 + z1 * z1 + z1 * z2 + z2 * z2) / 12.0
-        )
-    return Moments(mass, x, z, polar)
 
 
 def body(document: Document) -> RigidBody:
@@ -57,8 +37,9 @@ def body(document: Document) -> RigidBody:
     # The mechanics take the middle of the base as origin, the drawing the axes of the
     # document.
     placed = [(x - middle, z - lowest) for x, z in corners]
-    moments, section = polygon_moments(placed), polygon_moments(corners)
-    if not (abs(moments.x / moments.mass) < half and moments.z > 0.0):
+    moments = polygon_moments(placed)
+    x, z = moments.centre
+    if not (abs(x) < half and z > 0.0):
         raise document.fault(
             None, "a centroid that is not above the base", "a prism that stands"
         )
@@ -66,13 +47,13 @@ def body(document: Document) -> RigidBody:
         [tuple(corners)],
         (left, lowest),
         (right, lowest),
-        (section.x / section.mass, section.z / section.mass),
+        (middle + x, lowest + z),
     )
-    foot, details = strip_foot(document, right - left, moments.mass)
+    foot, details = foot_of(document, right - left, moments.mass)
     highest = max(z for _, z in placed)
-    return body_on_edges(
-        moments,
-        half,
+    return RigidBody(
+        moments=moments,
+        half=half,
         top=min(corner for corner in placed if highest - corner[1] <= tolerance),
         limit="a section more slender than this one",
         drawing=drawing,
@@ -82,7 +63,7 @@ def body(document: Document) -> RigidBody:
 
 
 def _base(
-    document: Document, corners: Sequence[Corner], lowest: float, tolerance: float
+    document: Document, corners: Sequence[Point], lowest: float, tolerance: float
 ) -> tuple[float, float]:
     """Return the ends in x [m] of the base, on the level `lowest`. Raises DocumentError
     if the section rests on one point.
@@ -98,7 +79,7 @@ def _base(
     return left, right
 
 
-def corners_of(document: Document) -> list[Corner]:
+def corners_of(document: Document) -> list[Point]:
     """Return the corners counterclockwise. Raises DocumentError for a section that is
     not a polygon with an area.
     """
@@ -116,7 +97,7 @@ def corners_of(document: Document) -> list[Corner]:
         corners.pop()
     if len(corners) < 3 or len(set(corners)) < len(corners):
         raise document.fault("corners", "a corner given twice", wanted)
-    if _crosses_itself(corners):
+    if crosses_itself(corners):
         raise document.fault(
             "corners",
             "a section that crosses itself",
@@ -126,39 +107,3 @@ def corners_of(document: Document) -> list[Corner]:
     if abs(area) <= 1e-12 * max(math.dist(a, b) for a in corners for b in corners) ** 2:
         raise document.fault("corners", "a section without area", wanted)
     return corners if area > 0.0 else corners[::-1]
-
-
-def _crosses_itself(corners: Sequence[Corner]) -> bool:
-    """True if two edges that are not neighbours touch, or if an edge runs back along
-    its neighbour.
-    """
-    edges = list(pairwise([*corners, corners[0]]))
-    last = len(edges) - 1
-    for (a, b), (_, c) in pairwise([*edges, edges[0]]):
-        if (
-            _turn(a, b, c) == 0.0
-            and (b[0] - a[0]) * (c[0] - b[0]) + (b[1] - a[1]) * (c[1] - b[1]) < 0.0
-        ):
-            return True
-    return any(
-        _touch(*edges[i], *edges[j])
-        for i, j in combinations(range(last + 1), 2)
-        if 1 < j - i < last
-    )
-
-
-def _turn(a: Corner, b: Corner, c: Corner) -> float:
-    return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
-
-
-def _touch(a: Corner, b: Corner, c: Corner, d: Corner) -> bool:
-    """True if the edges a-b and c-d have a common point."""
-    apart = any(
-        max(a[i], b[i]) < min(c[i], d[i]) or max(c[i], d[i]) < min(a[i], b[i])
-        for i in (0, 1)
-    )
-    return (
-        not apart
-        and _turn(a, b, c) * _turn(a, b, d) <= 0.0
-        and _turn(c, d, a) * _turn(c, d, b) <= 0.0
-    )

@@ -5,8 +5,8 @@ import math
 from ...documents.document import Document
 from ...documents.keys import Keys, length, positive
 from ..mechanics.moments import Moments
-from ..mechanics.single_body import RigidBody, body_on_edges
-from ..mechanics.toe import Foot, Strip
+from ..mechanics.single_body import RigidBody
+from ..mechanics.toe import foot_of
 from ..shared_keys import mass_of
 from ..sketch import circle, rocker
 
@@ -57,23 +57,13 @@ def body(document: Document) -> RigidBody:
             " centre"
         )
         raise document.fault(far, f"{max(left, right):g} m", wanted)
-    moments = Moments(1.0, x, height, gyration**2 + x * x + height * height)
     outlines = [circle((0.0, height), gyration), ((-left, 0.0), (right, 0.0))]
     edges = (-left, 0.0), (right, 0.0)
     drawing = rocker(outlines, *edges, (0.0, height), gyration=True)
-    length, mass = (
-        document.optional("length"),
-        mass_of(document),
-    )
-    foot = Foot(
-        Strip(left + right, length or 1.0),
-        None if length is None else mass,
-        missing="mass" if mass is None else "length",
-    )
-    return body_on_edges(
-        moments,
-        half,
-        foot=foot,
+    return RigidBody(
+        moments=Moments.of(1.0, (x, height), gyration**2),
+        half=half,
+        foot=foot_of(document, left + right, 0.0)[0],
         crown=math.inf,
         limit="a body more slender than this one",
         drawing=drawing,

@@ -10,17 +10,18 @@ above it rocks; a mirrored crack opens in the other direction. The paper gives E
 
 import itertools
 import math
+from dataclasses import replace
 from functools import cache
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from ...documents.document import Document
 from ...documents.keys import Key, Keys, length
 from ..mechanics.moments import Moments
-from ..mechanics.single_body import RigidBody, symmetric_body
-from ..mechanics.toe import Foot, RingBase, density_of
-from ..shared_keys import DENSITY, mass_of
+from ..mechanics.single_body import RigidBody
+from ..mechanics.toe import Foot, RingBase, foot_of
+from ..shared_keys import DENSITY
 from ..sketch import Point, Sketch, rocker
 
 REPORTS = ("tip_height", "crack_height")
@@ -193,17 +194,18 @@ def body(document: Document) -> RigidBody:
     """
     spire = _read(document)
     moments, radius = spire.rocking(), spire.base_radius
-    drawing = _drawing(spire, (moments.x / moments.mass, moments.z / moments.mass))
     foot, mass = _foot(document, spire, moments.mass)
-    more: dict[str, Any] = {
-        "drawing": drawing,
-        "limit": "a spire more slender, or cracked lower",
-        "eta": spire.restitution(),
-        "foot": foot,
-        "details": mass,
-    }
+    whole = RigidBody(
+        moments=moments,
+        half=radius,
+        top=(0.0, spire.height),
+        drawing=_drawing(spire, moments.centre),
+        limit="a spire more slender, or cracked lower",
+        foot=foot,
+        details=mass,
+    )
     if not spire.crack_height:
-        return symmetric_body(moments, radius, top=(0.0, spire.height), **more)
+        return whole
 
     def refused(_: float) -> RigidBody:
         raise document.fault(
@@ -211,9 +213,9 @@ def body(document: Document) -> RigidBody:
         )
 
     heights = {"tip_height": spire.tip_height, "crack_height": spire.crack_height}
-    more |= {"details": heights | mass, "inset_by": refused}
     # Another part of the spire rocks on each edge.
-    return symmetric_body(moments, radius, whole=False, **more)
+    eta = spire.restitution()
+    return replace(whole, eta=eta, top=None, details=heights | mass, moved=refused)
 
 
 def _drawing(spire: Spire, centre: Point) -> Sketch:
@@ -246,15 +248,12 @@ def _foot(
     """Return (the foot of a spire, its mass as a detail if a density gives it); volume:
     of the part that rocks [m3]. Raises DocumentError.
     """
-    density, mass = density_of(document), mass_of(document)
     if spire.crack_height:
         return "a cracked spire, which stands on another part on each edge", {}
     if not spire.thickness:
         return "a spire with a thin wall, whose contact area is not known", {}
     area = RingBase(spire.base_radius, spire.base_radius - spire.thickness)
-    if density is None:
-        return Foot(area, mass), {}
-    return Foot(area, density * volume), {"mass": density * volume}
+    return foot_of(document, area, volume)
 
 
 def _read(document: Document) -> Spire:

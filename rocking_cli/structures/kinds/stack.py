@@ -58,11 +58,8 @@ def _cuboid(part: Document) -> StackPiece:
     width, height = part.length("width"), part.length("height")
     depth = part.optional("depth") or width
     mass = width * depth * height
-    moments = Moments(
-        mass,
-        0.0,
-        0.5 * mass * height,
-        mass * (width * width / 12.0 + height * height / 3.0),
+    moments = Moments.of(
+        mass, (0.0, 0.5 * height), mass * (width**2 + height**2) / 12.0
     )
     return StackPiece(
         0.5 * width, 0.5 * width, height, part.quantity("offset"), moments, depth

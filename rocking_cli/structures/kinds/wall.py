@@ -3,7 +3,6 @@ top is free, or as two bodies that bulge between its base and its top if a floor
 it there; without openings and without bonded walls.
 """
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any
@@ -15,7 +14,7 @@ from ..mechanics.held_wall import HeldWall
 from ..mechanics.linkage import Linkage
 from ..mechanics.linkage_drawing import drawn
 from ..mechanics.single_body import RigidBody, rectangle_body
-from ..mechanics.toe import strip_foot
+from ..mechanics.toe import foot_of
 from ..parameters import RockingParameters
 from ..shared_keys import DENSITY, RESTRAINTS
 from ..sketch import Sketch
@@ -52,7 +51,7 @@ def body(document: Document) -> "RigidBody | WallBetweenFloors":
     thickness, height = document.length("thickness"), document.length("height")
     across = document.optional("length")
     details = {} if across is None else {"length": across}
-    foot, mass = strip_foot(document, thickness, thickness * height)
+    foot, mass = foot_of(document, thickness, thickness * height)
     details |= mass
     if document.choice("top") == "held":
         return WallBetweenFloors(thickness, height, details)
@@ -64,8 +63,8 @@ def body(document: Document) -> "RigidBody | WallBetweenFloors":
         )
     limit = "a wall thinner than 1.414 times its height"
     return rectangle_body(
-        0.5 * math.hypot(thickness, height),
-        math.atan2(thickness, height),
+        thickness,
+        height,
         limit=limit,
         details=details,
         foot=foot,

@@ -20,10 +20,10 @@ from .assembly import (
     Joint,
     MechanismFault,
     PlanarBody,
-    apart,
 )
 from .linkage import Linkage
 from .loop_closure import Positions
+from .plane import apart
 
 _POSITIONS = 40  # between rest and alpha at which outlines are looked at
 _DEEP = 1e-5  # of the size: outlines that lie deeper in each other meet

@@ -8,12 +8,13 @@ import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
-from itertools import combinations, pairwise
-from typing import NamedTuple
+from itertools import combinations
+from typing import NamedTuple, Self
 
 from ...errors import StructureError
 from ..sketch import Outline, Point
-from .moments import BOTH
+from .moments import BOTH, Moments
+from .plane import Line, apart, distance_to, sides_of
 
 GROUND = "ground"
 NEAR = 1e-6  # of the size: points that are so close are one point
@@ -37,6 +38,12 @@ class PlanarBody(NamedTuple):
     centre: Point  # mass centre at rest [m]
     inertia: float  # moment of inertia about the mass centre [kg m2]
     outline: Outline = ()  # corners at rest, counterclockwise [m]; empty if not known
+
+    @classmethod
+    def of(cls, name: str, moments: Moments, outline: Outline) -> Self:
+        """Return a body with these moments and this outline."""
+        x, z = (float(a) for a in moments.centre)
+        return cls(name, float(moments.mass), (x, z), moments.central, outline)
 
 
 class Hinge(NamedTuple):
@@ -80,7 +87,7 @@ class Face(NamedTuple):
     """A stretch on which two bodies touch."""
 
     bodies: tuple[str, str]  # (i, j): names; `ground` may be j
-    ends: tuple[Point, Point]  # at rest [m]
+    ends: Line  # at rest [m]
     normal: Point  # unit vector from j into i
 
 
@@ -148,7 +155,7 @@ class Assembly:
         faces down most.
         """
         near = NEAR * self.size
-        edges = {body.name: _edges(body.outline) for body in self.bodies}
+        edges = {body.name: sides_of(body.outline) for body in self.bodies}
         down = {
             (name, edge)
             for name, of_body in edges.items()
@@ -216,25 +223,13 @@ def mirror_image(
     return tuple(found)
 
 
-def distance_to(edge: tuple[Point, Point], point: Point) -> float:
-    """Return the distance of a point from a straight edge [m]."""
-    (ax, az), (bx, bz) = edge
-    dx, dz, px, pz = bx - ax, bz - az, point[0] - ax, point[1] - az
-    share = min(1.0, max(0.0, (px * dx + pz * dz) / (dx * dx + dz * dz)))
-    return math.hypot(px - share * dx, pz - share * dz)
-
-
 def on_outline(body: PlanarBody, point: Point, near: float) -> bool:
     """True if a point lies on the outline of a body, and for a body without one."""
-    edges = _edges(body.outline)
+    edges = sides_of(body.outline)
     return not edges or min(distance_to(edge, point) for edge in edges) <= near
 
 
-def _edges(outline: Outline) -> list[tuple[Point, Point]]:
-    return list(pairwise((*outline, outline[0]))) if outline else []
-
-
-def _inward(edge: tuple[Point, Point]) -> Point:
+def _inward(edge: Line) -> Point:
     """Return the unit vector from an edge into its body."""
     (ax, az), (bx, bz) = edge
     length = math.hypot(bx - ax, bz - az)
@@ -250,25 +245,14 @@ def _touching(bodies: tuple[PlanarBody, ...], near: float) -> tuple[Face, ...]:
             continue
         found += [
             Face((one.name, other.name), ends, _inward(a))
-            for a in _edges(one.outline)
-            for b in _edges(other.outline)
+            for a in sides_of(one.outline)
+            for b in sides_of(other.outline)
             if (ends := _shared(a, b, near))
         ]
     return tuple(found)
 
 
-def apart(one: Outline, other: Outline, near: float) -> bool:
-    """True if a vertical or horizontal gap wider than `near` parts two outlines."""
-    return any(
-        max(p[i] for p in a) < min(p[i] for p in b) - near
-        for i in (0, 1)
-        for a, b in ((one, other), (other, one))
-    )
-
-
-def _shared(
-    a: tuple[Point, Point], b: tuple[Point, Point], near: float
-) -> tuple[Point, Point] | None:
+def _shared(a: Line, b: Line, near: float) -> Line | None:
     """Return the stretch that edges of two bodies have in common, None without one."""
     (x, z), (dx, dz) = a[0], (a[1][0] - a[0][0], a[1][1] - a[0][1])
     length = math.hypot(dx, dz)

@@ -18,6 +18,7 @@ from .assembly import Hinge, MechanismFault
 from .joint_forces import JointForces, momentum_changes
 from .kinematics import Linearised, linearise
 from .linkage import Linkage
+from .moments import Moments, edge_at
 from .statics import Statics, bodies_alone
 
 # of the work of all weights: a smaller V' or B is zero
@@ -105,14 +106,8 @@ class MechanismSide:
                 wanted[change.body] = wanted.get(change.body, np.zeros(3)) + row
         return statics.carries(wanted, opening_ends(linkage, statics.faces))
 
-    def arm(self) -> tuple[float, float]:
-        """Return (R [m], inertia about the hinge [kg m2]) of a single rigid body."""
-        (hinge,), (mass,) = self.linkage.hinges[:1], self.linkage.masses
-        radius = abs(mass.centre - complex(*hinge.at))
-        return radius, mass.inertia + mass.mass * radius**2
-
     def numbers(self, gravity: float) -> dict[str, float]:
-        """Return p, alpha, uplift and a_scale."""
+        """Return p, alpha, uplift and a_scale, and the arm of a single rigid body."""
         if not self.single:
             form = self.form
             return {
@@ -121,15 +116,10 @@ class MechanismSide:
                 "uplift": form.uplift,
                 "a_scale": form.a_scale,
             }
-        radius, inertia = self.arm()
-        (mass,) = self.linkage.masses
-        off = mass.centre - complex(*self.linkage.hinges[0].at)
-        return {
-            "p": math.sqrt(gravity * radius * mass.mass / inertia),
-            "alpha": math.atan2(abs(off.real), off.imag),
-            "uplift": abs(off.real) / off.imag,
-            "a_scale": 1.0,
-        }
+        (mass,), (hinge, *_) = self.linkage.masses, self.linkage.hinges
+        centre = (mass.centre.real, mass.centre.imag)
+        body = Moments.of(mass.mass, centre, mass.inertia)
+        return edge_at(body, hinge.at, gravity)._asdict()
 
     def joint_rows(
         self, gravity: float, before: MechanismSide | None, eta: float | None

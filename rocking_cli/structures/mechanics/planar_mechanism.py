@@ -101,9 +101,9 @@ class PlanarMechanism:
         """
         sides = {1.0: self.right} | ({-1.0: self.left} if self.left else {})
         etas = self._etas(restitution)
-        arms = {s: one.arm()[0] for s, one in sides.items()} if self.whole else {}
+        arm = {} if self.whole else {"arm": None}
         found: dict[float, dict[str, Any]] = {
-            s: {**one.numbers(gravity), "eta": etas[s], "arm": arms.get(s)}
+            s: {**one.numbers(gravity), "eta": etas[s], **arm}
             for s, one in sides.items()
         }
         if self.alike:

@@ -61,15 +61,12 @@ class Ring(NamedTuple):
     def body(self, name: str, start: float, stop: float) -> PlanarBody:
         """Return the sector between two angles; arcs of its outline are polygons."""
         part = self.sector(start, stop)
-        x, z = float(part.x / part.mass), float(part.z / part.mass)
         along = np.linspace(start, stop, max(2, math.ceil((stop - start) / 0.03)) + 1)
         inner, outer = self.point(along, INTRADOS), self.point(along[::-1], EXTRADOS)
         outline: Outline = tuple(
             (float(a), float(b)) for a, b in np.concatenate([inner, outer], axis=1).T
         )
-        return PlanarBody(
-            name, float(part.mass), (x, z), float(part.about(x, z)), outline
-        )
+        return PlanarBody.of(name, part, outline)
 
 
 @dataclass(frozen=True, kw_only=True)

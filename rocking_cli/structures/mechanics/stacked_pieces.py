@@ -15,8 +15,8 @@ from ...documents.document import Document
 from ...documents.keys import Key, Keys, length
 from ..shared_keys import gravity_of, has_loads, mass_of, restraints_in
 from ..sketch import Outline, Point, Sketch, rocker
-from .moments import Moments
-from .single_body import RigidBody, body_on_edges, edges_of, symmetric_body
+from .moments import Moments, edges_of
+from .single_body import RigidBody
 from .toe import Foot, RingBase, Strip, toe_of
 
 
@@ -34,7 +34,7 @@ class StackPiece(NamedTuple):
         """Return the piece of unit density with this one [kg/m3]; itself for None."""
         if density is None:
             return self
-        return self._replace(body=Moments(*(density * x for x in self.body)))
+        return self._replace(body=self.body.times(density))
 
 
 def frustum_moments(low: float, high: float, height: float) -> Moments:
@@ -164,16 +164,14 @@ def stacked(
     interface = interfaces[lowest] if inset else whole[lowest]
     inset = insets[lowest] if inset else 0.0
 
-    # A mass centre in the middle has the closed forms of Eqs. 2.2 and 2.6.
-    rock = body_on_edges if interface.centred.x else symmetric_body
-    return rock(
-        interface.centred,
-        interface.half,
+    return RigidBody(
+        moments=interface.centred,
+        half=interface.half,
         top=_top_corner(pieces, lowest, interface),
         limit=f"a {word} more slender than this one",
         details=details,
         drawing=_drawing(pieces, lowest, interface, inset),
-        inset_by=partial(stacked, document, key, word, pieces, dense=dense),
+        moved=partial(stacked, document, key, word, pieces, dense=dense),
         foot=feet[lowest],
     )
 
@@ -353,12 +351,12 @@ def _drawing(
         _outline(piece, low, high)
         for piece, low, high in zip(pieces, levels, levels[1:], strict=False)
     ]
-    base, (mass, x, z, _) = levels[lowest], interface.body
+    base, (x, z) = levels[lowest], interface.body.centre
     return rocker(
         outlines[lowest:],
         (interface.left - inset, base),
         (interface.right + inset, base),
-        (x / mass, base + z / mass),
+        (x, base + z),
         inset=inset,
         still=tuple(outlines[:lowest]),
     )

@@ -123,22 +123,27 @@ def density_of(document: Document) -> float | None:
     return document.quantity("density")
 
 
-def strip_foot(
-    document: Document, width: float, section: float, across: str = "length"
+def foot_of(
+    document: Document,
+    base: float | RingBase,
+    volume: float,
+    across: str = "length",
 ) -> tuple[Foot, dict[str, float]]:
-    """Return (the foot of a body of one section, its mass as a detail if a density
-    gives it). width: of the base [m]; section: area of the section in the plane of
-    rocking [m2]; across: the key of the length across it. Raises DocumentError for a
-    density that gives no mass and no stress.
+    """Return (the foot of a body, its mass as a detail if a density gives it). base:
+    its area, or its width [m] and then `across` the key of its length; volume: of the
+    body [m3], or then of a metre. Raises DocumentError for a density that gives no mass
+    and no stress.
     """
     density, mass = density_of(document), mass_of(document)
-    length = document.optional(across)
-    area = Strip(width, 1.0 if length is None else length)
+    length = 1.0 if isinstance(base, RingBase) else document.optional(across)
+    area = base if isinstance(base, RingBase) else Strip(base, length or 1.0)
     if density is None:
         known = mass is not None and length is not None
-        missing = "density" if mass is None else across
+        missing = "density" if "density" in document.table else "mass"
+        if mass is not None:
+            missing = across
         return Foot(area, mass if known else None, missing=missing), {}
-    mass = density * section * area.length
+    mass = density * volume * (length or 1.0)
     if length is not None:
         return Foot(area, mass), {"mass": mass}
     if not document.has("strength"):

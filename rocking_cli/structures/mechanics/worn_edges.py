@@ -5,8 +5,7 @@ from dataclasses import replace
 from typing import Any
 
 from ..parameters import RockingParameters, Side
-from .moments import Moments
-from .single_body import edges_of
+from .moments import Moments, edges_of
 
 
 def worn(
@@ -20,14 +19,17 @@ def worn(
     if body.restraints:
         return None
     sides = body.left_and_right
-    left, right = (math.sin(side.alpha) * (side.arm or 0.0) for side in sides)
-    half = (0.5 - share) * (left + right)
-    moments = _moments(sides[1], body.gravity, 0.5 * (left - right))
+    left, right = ((side.arm or 0.0) * math.sin(side.alpha) for side in sides)
+    arm, half = sides[1].arm or 0.0, (0.5 - share) * (left + right)
+    centre = 0.5 * (left - right), arm * math.cos(sides[1].alpha)
+    # I/m about the edge is g R/p^2
+    inertia = body.gravity * arm / sides[1].p ** 2 - arm**2
+    moments = Moments.of(1.0, centre, inertia)
     if not abs(moments.x) < half:
         return None
     kept = body.one_sided or body.eta_source == "given"
     there = [
-        edge.side(name, abs(side.eta) if kept else edge.eta)
+        Side(name, **edge._replace(eta=abs(side.eta) if kept else edge.eta)._asdict())
         for name, edge, side in zip(
             ("left", "right"),
             edges_of(moments, half, body.gravity),
@@ -46,14 +48,3 @@ def worn(
     return share * (left + right), replace(
         body, **numbers, arm=moved.arm, sides=moved.sides, details={}
     )
-
-
-def _moments(side: Side | RockingParameters, gravity: float, x: float) -> Moments:
-    """Return the moments per mass of a body about the middle between its edges; side:
-    its right edge, x: of its mass centre [m].
-    """
-    right = math.sin(side.alpha) * (side.arm or 0.0)
-    z = math.cos(side.alpha) * (side.arm or 0.0)
-    square = right * right + z * z  # R^2
-    inertia = gravity * math.sqrt(square) / side.p**2  # I/m about the edge = g R/p^2
-    return Moments(1.0, x, z, inertia - square + x * x + z * z)  # the parallel axis

@@ -14,10 +14,10 @@ from support.documents import built
 from support.edge_rocker import EdgeRocker
 
 from rocking_cli import DocumentError
-from rocking_cli.structures.kinds.prism import polygon_moments
 from rocking_cli.structures.kinds.spire import Spire
 from rocking_cli.structures.mechanics.kinematics import linearise
 from rocking_cli.structures.mechanics.moments import Moments
+from rocking_cli.structures.mechanics.plane import polygon_moments
 
 WALL = "kind: wall\nthickness: 0.6\nheight: 5\n"
 STATUE = (

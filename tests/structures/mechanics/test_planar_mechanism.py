@@ -375,6 +375,7 @@ def test_the_path_goes_on_only_as_far_as_it_is_asked():
     assert step_by_step.reach_to(1e-3) == 1e-3
     assert step_by_step._walks[0].marks[-1] < 0.1
     each = [[float(x) for x in step_by_step.coefficients(one)] for one in phi]
-    np.testing.assert_array_equal(each, np.transpose(whole))
+    # sums of products round differently in arrays and alone, on some processors
+    np.testing.assert_allclose(each, np.transpose(whole), rtol=1e-15)
     assert math.isnan(each[-1][0])
     assert step_by_step.reach_to(2.0) == at_once.reach_to(2.0) <= 0.5 * math.pi
