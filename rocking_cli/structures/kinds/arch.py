@@ -266,9 +266,7 @@ def sketch(document: Document, built: RockingParameters) -> Sketch:
     assert isinstance(own, ArchLinkage)
     ring = own.ring
     linkage = arch_linkage(ring, own.angles, own.voussoirs, images=False)
-    found = drawn(
-        linkage, built.alpha, built.gravity, right=linkage, left=None, axis=0.0
-    )
+    found = drawn(built, linkage, None, axis=0.0)
     return replace(found, **_dimensions(document, ring))
 
 

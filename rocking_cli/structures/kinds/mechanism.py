@@ -24,7 +24,7 @@ from ..mechanics.assembly import (
     on_outline,
 )
 from ..mechanics.linkage import Linkage
-from ..mechanics.linkage_drawing import drawn
+from ..mechanics.linkage_drawing import drawn, linkages_of
 from ..mechanics.moments import BOTH
 from ..mechanics.planar_mechanism import PlanarMechanism, find_mechanism
 from ..mechanics.plane import polygon_moments
@@ -258,25 +258,9 @@ def sketch(document: Document, built: RockingParameters) -> Sketch:
     first, with numbered hinges, loads and sliders.
     """
     if isinstance(built.mechanism, Linkage):
-        left, right = (side.mechanism for side in built.left_and_right)
-        left = left if built.sides else None
+        right, left = linkages_of(built)
     else:  # one rigid body
         found = _found(document, built.gravity)
         right = found.right.linkage
         left = found.left.linkage if found.left else None
-    assert isinstance(right, Linkage)
-    assert left is None or isinstance(left, Linkage)
-    first = right
-    if left is not None and built.sides:
-        first = min(
-            (left, right), key=lambda one: one.at_rest.lift / abs(one.at_rest.push)
-        )
-    axis = document.optional("axis")
-    return drawn(
-        first,
-        built.alpha,
-        built.gravity,
-        right=right,
-        left=left,
-        axis=right.assembly.middle if axis is None else axis,
-    )
+    return drawn(built, right, left, axis=document.optional("axis"))

@@ -11,8 +11,7 @@ from ...documents.document import Document
 from ...documents.keys import Key, Keys, length
 from ..load_keys import Top, loads_of, parameters_of
 from ..mechanics.held_wall import HeldWall
-from ..mechanics.linkage import Linkage
-from ..mechanics.linkage_drawing import drawn
+from ..mechanics.linkage_drawing import drawn, linkages_of
 from ..mechanics.single_body import RigidBody, rectangle_body
 from ..mechanics.toe import foot_of
 from ..parameters import RockingParameters
@@ -90,18 +89,19 @@ class WallBetweenFloors:
                     f"{key} of a wall whose top is held",
                     f"no {key}, or top: free",
                 )
-        details = dict(self.details)
-        if (mass := document.optional("mass")) is not None:
-            details["mass"] = mass
-        if "mass" not in details:
+        mass = document.optional("mass") or self.details.get("mass")
+        if mass is None:
             raise document.missing("mass", "mass, or density and length")
-        wall = self._wall(document, details["mass"])
-        on_top = all(load.at[1] == self.height for load in wall.loads[1.0])
-        least = self._weakest(document, wall) if on_top else None
-        crack, remark = self._crack(document, least)
+        wall = self._wall(document, mass)
+        crack, least, remark = self._crack(document, wall)
         mechanism = wall.mechanism(crack, not _stated(document))
         found = parameters_of(document, mechanism, name, "wall")
-        details |= {"crack_height": crack, **found.details}
+        details = {
+            **self.details,
+            "mass": mass,
+            "crack_height": crack,
+            **found.details,
+        }
         if least is None:
             details.pop("lambda_governing", None)
         else:
@@ -117,20 +117,7 @@ class WallBetweenFloors:
 
     def sketch(self, document: Document, built: RockingParameters) -> Sketch:
         """Return the wall at rest and as it bulges at alpha."""
-        linkage = built.mechanism
-        left, right = (side.mechanism for side in built.left_and_right)
-        assert isinstance(linkage, Linkage)
-        assert isinstance(right, Linkage)
-        assert isinstance(left, Linkage)
-        return drawn(
-            linkage,
-            built.alpha,
-            built.gravity,
-            right=right,
-            left=left if built.sides else None,
-            axis=0.0,
-            slides="held",
-        )
+        return drawn(built, *linkages_of(built), axis=0.0, slides="held")
 
     def _wall(self, document: Document, mass: float) -> HeldWall:
         """The wall with its loads. Far is the face about which no part turns at the
@@ -152,53 +139,47 @@ class WallBetweenFloors:
             sides[-1.0] = loads.left
         return HeldWall(self.thickness, self.height, mass, sides)
 
-    def _weakest(
-        self, document: Document, wall: HeldWall
-    ) -> tuple[float, float, bool] | None:
-        """The crack of the least lambda; None for a stated crack in a wall that has no
-        range of heights to search. Raises DocumentError.
-        """
-        found = wall.weakest_crack()
-        if found or _stated(document):
-            return found
-        raise document.fault(
-            "thickness",
-            f"{self.thickness:g} m, above 3/4 of the height",
-            "a thinner wall: a crack is searched between height/4 and height -"
-            " thickness; or crack_height",
-        )
-
     def _crack(
-        self, document: Document, least: tuple[float, float, bool] | None
-    ) -> tuple[float, str]:
-        """The height of the crack [m], and a remark on a search that ends on a bound of
-        its range. Raises DocumentError.
+        self, document: Document, wall: HeldWall
+    ) -> tuple[float, tuple[float, float, bool] | None, str]:
+        """(height of the crack [m], that of the least lambda as `weakest_crack`, None
+        where no range of heights is searched, a remark on a search that ends on a bound
+        of its range). Raises DocumentError.
         """
+        on_top = all(load.at[1] == self.height for load in wall.loads[1.0])
+        least = wall.weakest_crack() if on_top else None
         if _stated(document):
             where = f"a length between 0 and the height, {self.height:g} m; or auto"
             crack = document.quantity(
                 "crack_height", "length", above=0.0, below=self.height, where=where
             )
-            return crack, ""
-        if least is None:
+            return crack, least, ""
+        if not on_top:
             raise document.missing(
                 "crack_height",
                 "its height: it is searched only for loads on the top, at z ="
                 f" {self.height:g} m",
             )
+        if least is None:
+            raise document.fault(
+                "thickness",
+                f"{self.thickness:g} m, above 3/4 of the height",
+                "a thinner wall: a crack is searched between height/4 and height -"
+                " thickness; or crack_height",
+            )
         crack, _, bound = least
-        if not bound:
-            return crack, ""
         lowest = crack < 0.5 * self.height
         where = "a quarter of the height" if lowest else "height - thickness"
-        return crack, (
+        remark = (
             f"the search for crack_height ends on its bound, {crack:.4g} m ({where}):"
             " lambda still falls there; state crack_height where the wall can crack."
         )
+        return crack, least, remark if bound else ""
 
 
 def _stated(document: Document) -> bool:
     """True if the document states the height of the crack."""
-    if not document.has("crack_height"):
-        return False
-    return document.values["crack_height"].content != "auto"
+    return (
+        document.has("crack_height")
+        and document.values["crack_height"].content != "auto"
+    )

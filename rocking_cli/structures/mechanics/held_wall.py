@@ -20,7 +20,7 @@ import math
 from collections.abc import Mapping
 from typing import NamedTuple
 
-from ..sketch import Outline, Point, rectangle
+from ..sketch import rectangle
 from .assembly import GROUND, Assembly, Hinge, Joint, Load, PlanarBody, Slide
 from .linkage import Linkage
 from .mechanism_side import MechanismSide
@@ -65,34 +65,31 @@ class HeldWall(NamedTuple):
 
     def mechanism(self, crack: float, searched: bool) -> PlanarMechanism:
         """Return the wall with its crack at this height [m] as a mechanism."""
-        sides = {side: self._side(crack, side) for side in self.loads}
+        half, bodies = 0.5 * self.thickness, []
+        for name, low, high in ((LOWER, 0.0, crack), (UPPER, crack, self.height)):
+            depth, centre = high - low, (0.0, 0.5 * (low + high))
+            mass = self.mass * depth / self.height
+            inertia = mass * (self.thickness**2 + depth**2) / 12.0
+            outline = rectangle(-half, half, low, high)
+            bodies.append(PlanarBody(name, mass, centre, inertia, outline))
+        parts = tuple(bodies)
+        sides = {side: self._side(parts, crack, side * half) for side in self.loads}
         return PlanarMechanism(sides[1.0], sides.get(-1.0), searched)
 
-    def _side(self, crack: float, side: float) -> MechanismSide:
-        """The wall while it bulges towards +x (side = 1) or -x. Its top is held at the
+    def _side(
+        self, bodies: tuple[PlanarBody, ...], crack: float, face: float
+    ) -> MechanismSide:
+        """The wall while it bulges towards the face at this x. Its top is held at the
         bearing of the first load on it, or else at the corner that rises.
         """
-        half, loads = 0.5 * self.thickness, self.loads[side]
+        loads = self.loads[math.copysign(1.0, face)]
         placed = tuple(
             load._replace(body=UPPER if load.at[1] > crack else LOWER) for load in loads
         )
         on_top = [load.at for load in loads if load.at[1] == self.height]
-        held: Point = on_top[0] if on_top else (side * half, self.height)
         joints: tuple[Joint, ...] = (
-            Hinge((GROUND, LOWER), (side * half, 0.0)),
-            Hinge((LOWER, UPPER), (-side * half, crack)),
-            Slide(UPPER, held),
-        )
-        bodies = (
-            self._part(LOWER, 0.0, crack),
-            self._part(UPPER, crack, self.height),
+            Hinge((GROUND, LOWER), (face, 0.0)),
+            Hinge((LOWER, UPPER), (-face, crack)),
+            Slide(UPPER, (*on_top, (face, self.height))[0]),
         )
         return MechanismSide(Linkage(Assembly(bodies, placed), joints, LOWER))
-
-    def _part(self, name: str, low: float, high: float) -> PlanarBody:
-        """The part of the wall between two levels [m]."""
-        half, depth = 0.5 * self.thickness, high - low
-        mass = self.mass * depth / self.height
-        inertia = mass * (self.thickness**2 + depth**2) / 12.0
-        outline: Outline = rectangle(-half, half, low, high)
-        return PlanarBody(name, mass, (0.0, 0.5 * (low + high)), inertia, outline)

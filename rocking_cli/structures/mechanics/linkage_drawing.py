@@ -1,7 +1,10 @@
 """The sketch of a mechanism in one direction."""
 
+from __future__ import annotations
+
 import math
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -9,27 +12,41 @@ from ..sketch import Lines, Outline, Point, Sketch, circle
 from .assembly import Assembly, Load, Slide
 from .linkage import Linkage
 
+if TYPE_CHECKING:
+    from ..parameters import RockingParameters
+
+
+def linkages_of(built: RockingParameters) -> tuple[Linkage, Linkage | None]:
+    """Return the mechanisms to the right and to the left, None for its mirror image."""
+    left, right = (side.mechanism for side in built.left_and_right)
+    assert isinstance(right, Linkage)
+    assert isinstance(left, Linkage)
+    return right, left if built.sides else None
+
 
 def drawn(
-    linkage: Linkage,
-    alpha: float,
-    gravity: float,
-    *,
+    built: RockingParameters,
     right: Linkage,
     left: Linkage | None,
-    axis: float,
+    *,
+    axis: float | None = None,
     slides: str = "slides",
 ) -> Sketch:
-    """Return a sketch of the bodies at rest and at phi = alpha [rad], with numbered
-    hinges, sliders, and the loads in kN for this gravity [m/s2].
+    """Return a sketch of the bodies at rest and at alpha in the direction that moves
+    first, with numbered hinges, sliders, and the loads in kN.
 
     slides: the text of a slider; right, left: the mechanisms of both directions, left
-    None for the mirror image of the right one about x = axis [m]. A body without an
-    outline is the circle of its radius of gyration.
+    None for the mirror image of the right one about x = axis [m], None for the middle
+    of the outlines. A body without an outline is the circle of its radius of gyration.
     """
+    linkage = min(
+        (right, left) if built.sides and left is not None else (right,),
+        key=lambda one: one.at_rest.lift / abs(one.at_rest.push),
+    )
+    about = right.assembly.middle if axis is None else axis
     assembly = linkage.assembly
     bodies, still = _posed(linkage, 0.0)
-    moved, _ = _posed(linkage, alpha)
+    moved, _ = _posed(linkage, built.alpha)
 
     def pose(theta: float) -> tuple[list[Outline], list[Outline]]:
         if theta >= 0.0:
@@ -37,7 +54,7 @@ def drawn(
         if left is not None:
             return _posed(left, -theta)
         posed = _posed(right, -theta)
-        one, other = ([_mirrored(x, axis) for x in outlines] for outlines in posed)
+        one, other = ([_mirrored(x, about) for x in outlines] for outlines in posed)
         return one, other
 
     return Sketch(
@@ -46,7 +63,7 @@ def drawn(
         moved=tuple(moved),
         pivots=tuple((str(i), hinge.at) for i, hinge in enumerate(linkage.hinges, 1)),
         lines=_slide_lines(linkage.sliders, assembly, slides),
-        arrows=load_arrows(assembly.loads, gravity, 0.08 * assembly.size),
+        arrows=load_arrows(assembly.loads, built.gravity, 0.08 * assembly.size),
         pose=pose,
     )
 
