@@ -4,8 +4,10 @@ import os
 import select
 import stat
 import sys
+from collections.abc import Sequence
 from functools import lru_cache
 from pathlib import Path
+from typing import Any
 
 from ..errors import DocumentError, UsageError
 
@@ -19,6 +21,14 @@ def is_document_text(given: str) -> bool:
     return "\n" in given or (
         given.lstrip().startswith("{") and not os.path.exists(given)
     )
+
+
+def several(given: Any) -> Sequence[Any]:
+    """Return what Python passes as a sequence: a sequence itself, other than a text, or
+    the one thing.
+    """
+    one = isinstance(given, str) or not isinstance(given, Sequence)
+    return [given] if one else given
 
 
 def whole_text(text: str) -> str:

@@ -5,8 +5,9 @@ takes, the name of a pulse, the path of a file, the text of a grid.
 import os
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Protocol, Union
+from typing import TYPE_CHECKING, Protocol, Union
 
+from ..documents.files import several
 from ..errors import ArgumentError, MotionError, UsageError
 from .grid import Grid, as_recorded, parse_grid
 from .motion import Motion
@@ -45,7 +46,13 @@ def motion_from(given: AnyMotion) -> Motion:
     UsageError, DocumentError and MotionError as `read_motion` and `pulse` do.
     """
     found = read_if_named(given)
-    return found if isinstance(found, Motion) else _own_motion(found)
+    own = found if isinstance(found, Motion) else found.motion
+    if isinstance(own, Motion):
+        return own
+    raise ArgumentError(
+        f"found a {type(found).__name__} for a motion; expected a Motion, a Record, a"
+        " Recording, a Document, the name of a pulse or the path of a motion"
+    )
 
 
 def read_if_named(given: AnyMotion) -> Motion | HasMotion:
@@ -96,7 +103,7 @@ def recordings_from(
     from .records.record import Record
 
     found: list[Recording] = []
-    for one in [given] if isinstance(given, str | Path) else given:
+    for one in several(given):
         if isinstance(one, str | Path):
             found += load_records(one)
         elif isinstance(one, Record):
@@ -115,24 +122,7 @@ def motions_of(
     given: AnyMotion | Sequence[AnyMotion],
 ) -> list[Motion | HasMotion]:
     """Return `read_if_named` of each motion, of one or several."""
-    return [read_if_named(one) for one in _several(given)]
-
-
-def _several(given: Any) -> Sequence[Any]:
-    one = isinstance(given, str) or not isinstance(given, Sequence)
-    return [given] if one else given
-
-
-def _own_motion(given: HasMotion) -> Motion:
-    """Return the motion of a record. Raises ArgumentError for another object with such
-    an attribute.
-    """
-    if isinstance(found := given.motion, Motion):
-        return found
-    raise ArgumentError(
-        f"found a {type(given).__name__} for a motion; expected a Motion, a Record, a"
-        " Recording, a Document, the name of a pulse or the path of a motion"
-    )
+    return [read_if_named(one) for one in several(given)]
 
 
 def demand_of(
@@ -158,7 +148,7 @@ def demands_of(
     """
     return [
         demand_of(*one) if isinstance(one, tuple) else demand_of(one, shaking)
-        for one in _several(given)
+        for one in several(given)
     ]
 
 

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Union
 
+from ..documents.files import several
 from ..errors import UsageError
 from . import (
     build_structure,
@@ -28,13 +29,8 @@ def documents_from(
     """Return the documents of one or several, those of a path in the order of its file.
     Raises UsageError and DocumentError as `read_documents` does.
     """
-    several: Sequence[Document | str | Path]
-    if isinstance(given, str) or not isinstance(given, Sequence):
-        several = [given]
-    else:
-        several = given
     found: list[Document] = []
-    for one in several:
+    for one in several(given):
         found += read_documents(one) if isinstance(one, str | Path) else [one]
     return found
 
@@ -55,20 +51,18 @@ def structures_from(given: Structure | Sequence[Structure]) -> list[RockingParam
     file; a name that is repeated gets a number where something was read. Raises
     UsageError and DocumentError as `load_structures` does.
     """
-    several: Sequence[Structure]
-    if isinstance(given, str) or not isinstance(given, Sequence):
-        several = [given]
-    else:
-        several = given
     found: list[RockingParameters] = []
-    for one in several:
+    read = False
+    for one in several(given):
         if isinstance(one, RockingParameters):
             found.append(one)
-        elif isinstance(one, str | Path):
-            found += load_structures(one)
-        else:
-            found.append(build_structure(one))
-    read = any(not isinstance(one, RockingParameters) for one in several)
+            continue
+        read = True
+        found += (
+            load_structures(one)
+            if isinstance(one, str | Path)
+            else [build_structure(one)]
+        )
     return list(with_distinct_names(found)) if read else found
 
 
