@@ -32,23 +32,18 @@ def body(document: Document) -> RigidBody:
     axis, or of a drum of a stack from the line of the stack. density: of all drums, for
     `strength`.
     """
-    if document.has("drums"):
-        pieces = [round_piece(part) for part in document.parts("drums")]
-    else:
-        pieces = [_alone(document)]
-    density = density_of(document)
+    alone, density = not document.has("drums"), density_of(document)
+    pieces = [
+        round_piece(part).of_density(density)
+        for part in ([document] if alone else document.parts("drums"))
+    ]
     return stacked(
-        document,
-        "drums",
-        "drum",
-        [piece.of_density(density) for piece in pieces],
-        dense=density is not None,
+        document, "drums", "drum", [_centred(document, *pieces)] if alone else pieces
     )
 
 
-def _alone(document: Document) -> StackPiece:
+def _centred(document: Document, drum: StackPiece) -> StackPiece:
     """Return a drum whose mass centre may be beside its axis. Raises DocumentError."""
-    drum = round_piece(document)
     if not abs(drum.axis) < drum.foot:
         wanted = f"a length between -{drum.foot:g} and {drum.foot:g} m, above its base"
         raise document.fault("offset", str(document.values["offset"]), wanted)

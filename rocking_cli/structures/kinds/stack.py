@@ -40,17 +40,13 @@ def body(document: Document) -> RigidBody:
             "a density of some pieces only",
             "density for every piece, or for none",
         )
-    return stacked(document, "pieces", "piece", pieces, dense=bool(dense))
+    return stacked(document, "pieces", "piece", pieces)
 
 
 def _piece(part: Document) -> StackPiece:
     """Return a piece, rectangular or round, with its density (1 by default)."""
-    piece = (
-        _cuboid(part) if part.has("width") or part.has("depth") else round_piece(part)
-    )
-    if not part.has("density"):
-        return piece
-    return piece.of_density(part.quantity("density"))
+    read = _cuboid if part.has("width") or part.has("depth") else round_piece
+    return read(part).of_density(part.optional("density"))
 
 
 def _cuboid(part: Document) -> StackPiece:

@@ -29,12 +29,13 @@ class StackPiece(NamedTuple):
     axis: float  # x of its axis [m]
     body: Moments  # its moments about the middle of its base
     depth: float | None = None  # across the rocking [m], None for a round piece
+    dense: bool = False  # True if its moments have its density, False for 1
 
     def of_density(self, density: float | None) -> Self:
         """Return the piece of unit density with this one [kg/m3]; itself for None."""
         if density is None:
             return self
-        return self._replace(body=self.body.times(density))
+        return self._replace(body=self.body.times(density), dense=True)
 
 
 def frustum_moments(low: float, high: float, height: float) -> Moments:
@@ -130,20 +131,17 @@ def stacked(
     word: str,
     pieces: Sequence[StackPiece],
     inset: float = 0.0,
-    *,
-    dense: bool = False,
 ) -> RigidBody:
     """Return the body that rocks on the interface of the key `rocks_on`, by default on
     the one with the least margin, on the lowest one of equal margins. pieces: from
     below; key: of their list in the document; word: for one of them; inset: from the
-    edges of every interface [m], of a body with `strength` that of its toe there;
-    dense: true if the pieces have densities. Raises DocumentError if a piece does not
-    stand on the one below it, or the stack does not stand, or if it has restraints and
-    no `rocks_on`: they hold each interface in another way, so that the least margin
-    does not tell which one overturns first.
+    edges of every interface [m], of a body with `strength` that of its toe there.
+    Raises DocumentError if a piece does not stand on the one below it, or the stack
+    does not stand, or if it has restraints and no `rocks_on`: they hold each interface
+    in another way, so that the least margin does not tell which one overturns first.
     """
     whole = _interfaces(document, key, word, pieces)
-    feet = [_foot(document, pieces, i, one, dense) for i, one in enumerate(whole)]
+    feet = [_foot(document, pieces, i, one) for i, one in enumerate(whole)]
     insets = _insets(document, word, feet, inset)
     interfaces = [
         _moved_in(document, word, i, one, inwards)
@@ -158,20 +156,20 @@ def stacked(
             "rocks_on": supports[lowest],
             "interfaces": _interface_rows(document, supports, interfaces),
         }
-    if dense and document.has("strength"):
+    if pieces[0].dense and document.has("strength"):
         details["mass"] = whole[lowest].body.mass
     # Without an inset the body is the geometry itself.
-    interface = interfaces[lowest] if inset else whole[lowest]
-    inset = insets[lowest] if inset else 0.0
-
+    interface, inwards = (
+        (interfaces[lowest], insets[lowest]) if inset else (whole[lowest], 0.0)
+    )
     return RigidBody(
         moments=interface.centred,
         half=interface.half,
         top=_top_corner(pieces, lowest, interface),
         limit=f"a {word} more slender than this one",
         details=details,
-        drawing=_drawing(pieces, lowest, interface, inset),
-        moved=partial(stacked, document, key, word, pieces, dense=dense),
+        drawing=_drawing(pieces, lowest, interface, inwards),
+        moved=partial(stacked, document, key, word, pieces),
         foot=feet[lowest],
     )
 
@@ -181,7 +179,6 @@ def _foot(
     pieces: Sequence[StackPiece],
     i: int,
     interface: Interface,
-    dense: bool,
 ) -> Foot | str:
     """Return the foot on an interface: the smaller one of its two faces; a text where
     it is not known.
@@ -204,7 +201,7 @@ def _foot(
             return (
                 "a stack of round and rectangular pieces that cover each other partly"
             )
-    if dense:
+    if pieces[0].dense:
         return Foot(area, interface.body.mass)
     return Foot(area, mass_of(document) if len(pieces) == 1 else None)
 
