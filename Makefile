@@ -143,9 +143,11 @@ readers: $(STAMPS)/dev ## Exported fragility curves, read by OpenQuake and pelic
 ladder: $(STAMPS)/dev ## The numeric tests with other processors' kernels
 	.venv/bin/python tests/bench/ladder.py
 
-# Which of the tests of dynamics/ notice that a sign, a comparison or a constant there is another.
-mutants: $(STAMPS)/dev ## Which changes of a sign or a constant the tests notice
-	.venv/bin/python tests/bench/mutants.py
+# Which of the tests that run a changed line of a room notice the change.
+ROOM ?= dynamics
+mutants: $(STAMPS)/dev ## Which changes of a sign or a constant the tests notice: make mutants ROOM=dynamics
+	.venv/bin/python -m pip install --quiet --disable-pip-version-check --editable '.[mutants]'
+	.venv/bin/python tests/bench/mutants.py $(ROOM)
 
 clean: ## Remove all that was made
 	rm -rf .venv out dist .mypy_cache .ruff_cache .pytest_cache .hypothesis
