@@ -16,8 +16,6 @@ import numpy as np
 from ..arrays import Array
 from ..documents.quantities import DEFAULT_GRAVITY
 from ..dynamics.method import LINEAR, TOLERANCE, Method, governing_method
-from ..dynamics.outcome import Outcome
-from ..dynamics.response import cheaper, response
 from ..errors import StructureError, UsageError
 from ..motions.grid import MAX_CELLS, Axis, parse_angles, parse_axes, written_axes
 from ..motions.recording import Recording
@@ -179,16 +177,6 @@ class RecordScene(Scene):
                 r if i in wanted else some for i, r in enumerate(self.recordings)
             ),
         )
-
-    def judge_of(self, cell: SceneCells) -> Outcome | None:
-        nonlinear = Method("nonlinear")
-        if not self.method.exact or not nonlinear.serves(cell.structure):
-            return None
-        at = cell.amplitude, cell.omega
-        system = nonlinear.system_of(cell.structure)
-        how = cheaper(system, cell.motion, 1)
-        found = response(system, cell.motion, *at, peaks=False, how=how)
-        return Outcome(int(found.outcome[0]))
 
     def stated(self) -> dict[str, Any]:
         if self.over_angles:

@@ -240,15 +240,19 @@ class Spectrum(Shown):
             row[f"cells_{Outcome(code).flag}"] = str(number)
         return row
 
-    def _rows(self) -> Iterator[dict[str, Any]]:
-        dimensions = self.scene.frame().dimensions
-        arrays = {
+    @property
+    def _variables(self) -> dict[str, np.ndarray]:
+        """All variables by name."""
+        return {
             "theta_ratio": self.theta_ratio,
             "outcome": self.outcome,
             "impacts_at_least": self.impacts_at_least,
             **self.quantities,
         }
-        columns = {name: cells.ravel() for name, cells in arrays.items()}
+
+    def _rows(self) -> Iterator[dict[str, Any]]:
+        dimensions = self.scene.frame().dimensions
+        columns = {name: cells.ravel() for name, cells in self._variables.items()}
         for number, place in enumerate(product(*dimensions.values())):
             cell = {name: values[number].item() for name, values in columns.items()}
             cell["outcome"] = Outcome(cell["outcome"]).flag
@@ -274,21 +278,14 @@ class Spectrum(Shown):
         import xarray as xr
 
         frame = self.scene.frame()
-        cells = {
-            "theta_ratio": self.theta_ratio,
-            "outcome": self.outcome,
-            "impacts_at_least": self.impacts_at_least,
-        }
         along = {
             name: xr.Variable(
                 dimension,
                 values,
-                {
-                    "units": frame.about(name).units,
-                    "long_name": frame.about(name).long_name,
-                },
+                {"units": about.units, "long_name": about.long_name},
             )
             for name, (dimension, values) in frame.lists.items()
+            for about in [frame.about(name)]
         }
         data = {
             name: xr.Variable(
@@ -300,7 +297,7 @@ class Spectrum(Shown):
                     if k != "_FillValue"
                 },
             )
-            for name, values in {**cells, **self.quantities}.items()
+            for name, values in self._variables.items()
         }
         found = xr.Dataset({**data, **along})
         return found.set_coords(list(along)) if frame.of_records else found

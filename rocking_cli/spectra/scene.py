@@ -17,7 +17,6 @@ import numpy as np
 
 from ..arrays import Array
 from ..dynamics.method import LINEAR, Method
-from ..dynamics.outcome import Outcome
 from ..dynamics.system import System
 from ..errors import UsageError
 from ..motions import Motion
@@ -146,12 +145,6 @@ class Scene(ABC):
     def only(self, units: Sequence[Unit]) -> "Scene":
         """Return the scene with only the data that these units need."""
         return self
-
-    def judge_of(self, cell: SceneCells) -> Outcome | None:
-        """Return the outcome of a cell by the nonlinear equation; None if the scene
-        does not compare the equations.
-        """
-        return None
 
     @property
     def cells(self) -> int:

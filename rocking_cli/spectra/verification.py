@@ -19,10 +19,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..arrays import Array
 from ..dynamics.method import Method
 from ..dynamics.outcome import Difference, Outcome, difference, falls
-from ..dynamics.response import response
+from ..dynamics.response import cheaper, response
 from ..structures.friction import friction_that_slides
 from .error_bound import tolerance_of
 from .scene import CellPlace, PulseScene, Scene, Unit
@@ -77,12 +76,18 @@ class Answer(NamedTuple):
 
 def reference(scene: Scene, place: CellPlace) -> Answer:
     """Return the answer for a cell by the reference, which shares no code with the
-    march.
+    march; of a linear sweep of records also the outcome by the nonlinear equation.
     """
     cell = scene.cell(*place)
     numbers = cell.amplitude.item(), cell.omega.item()
     outcome, theta = scene.method.reference_of(cell.structure)(cell.motion, *numbers)
-    judged = None if outcome == Outcome.FAILED else scene.judge_of(cell)
+    nonlinear, judged = Method("nonlinear"), None
+    linear = scene.of_records and scene.method.exact and outcome != Outcome.FAILED
+    if linear and nonlinear.serves(cell.structure):
+        system = nonlinear.system_of(cell.structure)
+        how, at = cheaper(system, cell.motion, 1), (cell.amplitude, cell.omega)
+        found = response(system, cell.motion, *at, peaks=False, how=how)
+        judged = Outcome(int(found.outcome[0]))
     return Answer(outcome, theta, judged=judged)
 
 
@@ -236,22 +241,20 @@ def validity(scene: Scene, tolerance: float = 1e-6) -> Validity | None:
     ]
     count = min(_STRUCTURES, len(known))
     some = [known[i] for i in np.linspace(0, len(known) - 1, count).astype(int)]
-    judged = [
-        _differences(replace(scene, structures=(one,)), nonlinear, _CELLS // count)
+    codes = [
+        code
         for one in some
+        for code in _differences(
+            replace(scene, structures=(one,)), nonlinear, _CELLS // count
+        )
+        if code != Difference.NOT_COMPUTED
     ]
-    codes = np.concatenate([np.zeros(0, np.uint8), *judged])
-    codes = codes[codes != Difference.NOT_COMPUTED]
-    if not codes.size:
-        return None
-    return Validity(
-        codes.size,
-        int(np.count_nonzero(codes != Difference.AGREES)),
-        int(np.count_nonzero(codes == Difference.LINEAR_UNSAFE)),
-    )
+    differ = sum(code != Difference.AGREES for code in codes)
+    unsafe = codes.count(Difference.LINEAR_UNSAFE)
+    return Validity(len(codes), differ, unsafe) if codes else None
 
 
-def _differences(scene: PulseScene, nonlinear: Method, count: int) -> Array:
+def _differences(scene: PulseScene, nonlinear: Method, count: int) -> list[int]:
     """Return the `Difference` of up to `count` cells of one structure that lift: half
     drawn, half with another outcome at the next amplitude.
     """
@@ -277,4 +280,5 @@ def _differences(scene: PulseScene, nonlinear: Method, count: int) -> Array:
         amplitude=amplitude[drawn[at, 1]],
         omega=omega[drawn[at, 0]],
     )
-    return difference(decided.outcome, linear[0][at])
+    codes: list[int] = difference(decided.outcome, linear[0][at]).tolist()
+    return codes

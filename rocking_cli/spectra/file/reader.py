@@ -44,7 +44,6 @@ _FAULTS = (
     UsageError,
 )
 
-
 # beginnings of the names of attributes that are numbers
 _NUMBERS = (
     "cells",
@@ -52,7 +51,6 @@ _NUMBERS = (
     "check_time",
     "checked_cells",
     "error_bound",
-    "error_bound_median",
     "largest_difference",
     "tolerance",
 )
@@ -95,11 +93,8 @@ class SpectraFile(ExitStack[None]):
                 raise UsageError(f"{path}: cannot be read: not a regular file")
             raw = self.enter_context(io.FileIO(path))
         except OSError as error:
-            what = (
-                "no such file"
-                if isinstance(error, FileNotFoundError)
-                else error.strerror
-            )
+            missing = isinstance(error, FileNotFoundError)
+            what = "no such file" if missing else error.strerror
             raise UsageError(f"{path}: cannot be read: {what}") from None
         try:
             self._open(raw)
@@ -395,26 +390,20 @@ class SpectraFile(ExitStack[None]):
         """Yield a row for every computed cell: its place on each dimension, in SI
         units, and its variables.
         """
-        (first, places), (second, frequencies), (third, columns) = (
-            (name, values if isinstance(values, list) else values.tolist())
-            for name, values in self.frame.dimensions.items()
+        places, frequencies, columns = (
+            values if isinstance(values, list) else values.tolist()
+            for values in self.frame.dimensions.values()
         )
         height = self.chunk_grid.chunk[1]
-        others = (name for name in self.names if name != "outcome")
-        names = ["outcome", *others]
+        names = sorted(self.names, key=lambda name: name != "outcome")
         for i, place in enumerate(places):
             for begin in range(0, len(frequencies), height):
                 block = self.block(i, slice(begin, begin + height))
                 computed = block["outcome"] != Outcome.NOT_COMPUTED
                 for r, c in np.argwhere(computed).tolist():
-                    yield {
-                        first: place,
-                        second: frequencies[begin + r],
-                        third: columns[c],
-                        **{
-                            name: _cell_value(name, block[name][r, c]) for name in names
-                        },
-                    }
+                    where = place, frequencies[begin + r], columns[c]
+                    found = {name: _value(name, block[name][r, c]) for name in names}
+                    yield dict(zip(self.frame.dimensions, where, strict=True)) | found
 
 
 def _within(cells: Sequence[slice], some: Sequence[slice]) -> tuple[slice, ...]:
@@ -425,7 +414,7 @@ def _within(cells: Sequence[slice], some: Sequence[slice]) -> tuple[slice, ...]:
     )
 
 
-def _cell_value(name: str, value: np.generic) -> float | int | str | None:
+def _value(name: str, value: np.generic) -> float | int | str | None:
     """Return the value of a cell for JSON: a number, None for NaN, or the word of a
     code.
     """

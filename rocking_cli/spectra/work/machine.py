@@ -5,7 +5,6 @@ Two machines with equal states compute the same bytes.
 """
 
 import hashlib
-import os
 import platform
 from collections.abc import Mapping, Sequence
 from functools import cache
@@ -15,12 +14,7 @@ from typing import Any
 from ... import __version__
 
 # packages whose code computes the values of a spectrum
-_COMPUTES = (
-    "dynamics",
-    "motions",
-    "spectra",
-    "structures",
-)
+_COMPUTES = ("dynamics", "motions", "spectra", "structures")
 
 
 @cache
@@ -28,21 +22,11 @@ def version() -> str:
     """Return the version of this program and a digest of the code that computes
     spectra, which differs between states of one version.
     """
-    package, digest = str(Path(__file__).parents[2]), hashlib.blake2b(digest_size=8)
-    # Strings: paths as objects take twice the time of reading the files.
-    found = [
-        (where.split(os.sep), name)
-        for folder in _COMPUTES
-        for where, _, names in os.walk(os.path.join(package, folder))
-        for name in names
-        if name.endswith(".py")
-    ]
-    for folders, name in sorted(found, key=lambda place: [*place[0], place[1]]):
-        path = os.sep.join([*folders, name])
-        with open(path, "rb") as file:
-            code = file.read()
-        stated = path[len(package) + 1 :].replace(os.sep, "/")
-        digest.update(f"{stated} {len(code)}\n".encode() + code)
+    package, digest = Path(__file__).parents[2], hashlib.blake2b(digest_size=8)
+    for folder in _COMPUTES:
+        for path in sorted((package / folder).rglob("*.py")):
+            stated, code = path.relative_to(package).as_posix(), path.read_bytes()
+            digest.update(f"{stated} {len(code)}\n".encode() + code)
     return f"{__version__}+{digest.hexdigest()}"
 
 

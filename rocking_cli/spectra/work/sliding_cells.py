@@ -47,6 +47,9 @@ def sliding_block(
         "difference": np.full(place.shape, Difference.AGREES, dtype=np.uint8),
         "slide_max": np.where(lost, np.nan, length),
     }
-    wanted = {name for key in quantities for name in QUANTITIES[key]} | {"condition"}
-    left_out = {name for names in QUANTITIES.values() for name in names} - wanted
+    left_out = {
+        name
+        for key in QUANTITIES.keys() - {*quantities, "condition"}
+        for name in QUANTITIES[key]
+    }
     return {name: every[name] for name in every.keys() - left_out}
