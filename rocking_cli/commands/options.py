@@ -82,7 +82,7 @@ vary = partial(
     "Vary a key: a family; repeatable, all combinations.",
     multiple=True,
     type=VariedKey(),
-    metavar="KEY=START:STOP:N",
+    metavar="KEY=START:STOP:N[:log]",
 )
 inset_effect = partial(
     flag,

@@ -12,11 +12,11 @@ import numpy as np
 from ..arguments import check_fields
 from ..documents.quantities import (
     DEFAULT_GRAVITY,
-    parse_whole,
     quantity_at,
     split_quantity,
     with_a_point,
 )
+from ..documents.spans import spaced, split_span
 from ..errors import UsageError, counted, did_you_mean
 from ..structures.parameters import RockingParameters
 from .motion import Motion
@@ -53,6 +53,7 @@ MEANT = {
     "t": "T_g",
 }
 _FORM = "NAME=START:STOP:N[:log] or NAME=VALUE"
+_SPAN = "START:STOP:N[:log] or a single VALUE"
 # units and long name of each axis in a file
 AXES = {
     "A": ("1", "dimensionless amplitude a_scale a_g / (alpha g)"),
@@ -418,36 +419,13 @@ def parse_span(key: str, span: str, dimension: str) -> np.ndarray:
     """Return the values of START:STOP:N[:log] or of a single VALUE, in SI units, of any
     sign. Raises UsageError.
     """
-    parts = span.split(":")
-    if len(parts) not in (1, 3, 4) or (len(parts) == 4 and parts[3] != "log"):
+    if ":" not in span:
+        return np.array([quantity_at(key, span, dimension)])
+    first, last, count, log = split_span(key, span, _SPAN, 2, MAX_VALUES)
+    start, stop = (quantity_at(key, x, dimension) for x in (first, last))
+    if start >= stop:
         raise UsageError(
-            f"{key}: found {span!r}; expected START:STOP:N[:log] or a single VALUE"
+            f"{key}: found START {first} and STOP {last}; expected START below STOP"
+            f" (a single value is written {key}={first})"
         )
-    bounds = [quantity_at(key, part, dimension) for part in parts[:2]]
-    if len(parts) == 1:
-        return np.array(bounds)
-    start, stop = bounds
-    count = parse_whole(parts[2])
-    if count is None or not 2 <= count <= MAX_VALUES:
-        raise UsageError(
-            f"{key}: found N = {parts[2]!r}; expected a whole number from 2 to"
-            f" {MAX_VALUES} (for one value {key}=VALUE)"
-        )
-    if start == stop:
-        raise UsageError(
-            f"{key}: START and STOP are both {parts[0]}; a single value is written"
-            f" {key}={parts[0]}"
-        )
-    if start > stop:
-        raise UsageError(
-            f"{key}: found START {parts[0]} above STOP {parts[1]}; expected START below"
-            " STOP"
-        )
-    if len(parts) == 4:
-        if start <= 0.0:
-            raise UsageError(
-                f"{key}: found START {parts[0]}; a logarithmic axis needs a positive"
-                " START"
-            )
-        return np.asarray(np.geomspace(start, stop, count))
-    return np.linspace(start, stop, count)
+    return spaced(key, start, stop, count, log)

@@ -13,11 +13,11 @@ from ..documents.document import Document
 from ..documents.quantities import (
     headed,
     parse_quantity,
-    parse_whole,
     si_unit,
     split_quantity,
     with_a_point,
 )
+from ..documents.spans import spaced, split_span
 from ..documents.spreads import is_spread
 from ..errors import DocumentError, UsageError
 from .given import document_from
@@ -94,7 +94,8 @@ def parse_variation(text: str, count: int | None = None) -> Variation:
     Parameters
     ----------
     text
-        KEY=START:STOP:N; bounds without a unit take the unit of the document
+        KEY=START:STOP:N or KEY=START:STOP:N:log; bounds without a unit take the unit of
+        the document
     count
         the N of a text without N
 
@@ -113,44 +114,35 @@ def parse_variation(text: str, count: int | None = None) -> Variation:
     Variation(key='angle', values=(150.0, 155.0, 160.0), unit='deg')
     """
     key, equals, span = text.partition("=")
-    parts = span.split(":")
-    parts += [str(count)] * (count is not None and len(parts) == 2)
-    ends = [split_quantity(part) for part in parts[:2]]
-    if not equals or not key.strip() or len(parts) != 3 or not ends[0] or not ends[1]:
-        wanted = (
-            "KEY=START:STOP:N"
-            if count is None
-            else "KEY=START:STOP or KEY=START:STOP:N"
-        )
+    key, wanted = key.strip(), "KEY=START:STOP:N[:log]"
+    if count is not None:
+        span += f":{count}" * (span.count(":") == 1)
+        wanted = f"KEY=START:STOP or {wanted}"
+    ends = [split_quantity(part) for part in span.split(":")[:2]]
+    if not equals or not key or None in ends or len(ends) < 2:
         raise UsageError(
             f"`vary`: found {text!r}; expected {wanted}, such as thickness=1.2:2.0:9 or"
             " angle=150deg:180deg:31"
         )
+    place = f"`vary` {key}"
     if "," in span:
         raise UsageError(
-            f"`vary` {key}: found {span!r}; expected numbers without"
+            f"{place}: found {span!r}; expected numbers without"
             f" commas{with_a_point(span)}"
         )
-    (start, unit), (stop, other) = ends[0], ends[1]
+    *_, number, log = split_span(place, span, wanted, 1, MAX_MEMBERS)
+    (start, unit), (stop, other) = (end for end in ends if end)
     if unit != other and unit and other:
         raise UsageError(
-            f"`vary` {key}: found bounds in {unit} and {other}; expected one unit for"
-            " both"
+            f"{place}: found bounds in {unit} and {other}; expected one unit for both"
         )
-    count = parse_whole(parts[2])
-    if count is None or not 1 <= count <= MAX_MEMBERS:
+    if number == 1 and start != stop:
         raise UsageError(
-            f"`vary` {key}: found N = {parts[2]!r}; expected a whole number from 1 to"
-            f" {MAX_MEMBERS}"
-        )
-    if count == 1 and start != stop:
-        raise UsageError(
-            f"`vary` {key}: found one value from {start:g} to {stop:g}; expected N of 2"
+            f"{place}: found one value from {start:g} to {stop:g}; expected N of 2"
             " or more, or equal bounds"
         )
-    step = (stop - start) / max(1, count - 1)
-    values = (*(start + i * step for i in range(count - 1)), stop)
-    return Variation(key.strip(), values, unit or other or None)
+    values = spaced(place, start, stop, number, log)
+    return Variation(key, tuple(values.tolist()), unit or other or None)
 
 
 def members(variations: Sequence[Variation]) -> int:

@@ -44,7 +44,7 @@ REFUSED = [
     ("A=1:2:3,Omga=1:2:3", "unknown axis 'Omga'"),
     ("A=1:2,Omega=1:2:3", "START:STOP:N"),
     ("A=1:2:3:lin,Omega=1:2:3", "START:STOP:N"),
-    ("A=2:1:3,Omega=1:2:3", "found START 2 above STOP 1"),
+    ("A=2:1:3,Omega=1:2:3", "found START 2 and STOP 1"),
     ("A=1:1:3,Omega=1:2:3", "a single value is written"),
     ("A=1:2:1,Omega=1:2:3", "N = '1'"),
     ("A=1:2:2.5,Omega=1:2:3", "N = '2.5'"),

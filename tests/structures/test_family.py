@@ -32,6 +32,7 @@ def test_values_are_evenly_spaced_and_end_where_they_should():
     assert parse_variation("angle=150deg:180deg:2")[1:] == ((150.0, 180.0), "deg")
     assert parse_variation("angle=150:180deg:2").unit == "deg"
     assert parse_variation("width=3:3:1").values == (3.0,)
+    assert parse_variation("width=4m:1:3:log")[1:] == ((4.0, 2.0, 1.0), "m")
     document, given = (
         parse_documents(BLOCK, "f.yaml")[0],
         variation._replace(values=tuple(np.linspace(0.1, 0.4, 4))),
@@ -53,6 +54,7 @@ REFUSED = [
         for n in ("0", "2.5", "²", "x")
     ),
     ("width=1:2:1", "one value from 1 to 2"),
+    ("width=0:2:3:log", "a logarithmic axis needs a positive START"),
     (f"width=1:2:{MAX_MEMBERS + 1}", "expected a whole number from 1 to 1000000"),
 ]
 test_variations_that_cannot_be_read = refuses(parse_variation, UsageError, REFUSED)
