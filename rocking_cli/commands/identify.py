@@ -17,9 +17,8 @@ def _share(text: str) -> float:
     """Return a share: a number, or one in percent. Raises ArgumentError."""
     from ..documents.quantities import parse_quantity
 
-    percent = text.strip().removesuffix("%")
-    share = parse_quantity(percent, "number")
-    return share if percent == text.strip() else 0.01 * share
+    number, percent, _ = text.strip().partition("%")
+    return parse_quantity(number, "number") * (0.01 if percent else 1.0)
 
 
 @dataclass(frozen=True)
@@ -88,9 +87,9 @@ def identify(
     impact. Lines to paste into the document stand below. A trace that is no free
     rocking is refused (exit code 3).
     """
-    from ..responses.identification.identified import COLUMNS, IMPACT_COLUMNS, rows_of
+    from ..responses.identification.identified import COLUMNS, IMPACT_COLUMNS
     from ..responses.identification.identify import identify as fitted
-    from ..responses.identification.trace import Trace, trace_or_documents
+    from ..responses.identification.trace import DIMENSIONS, Trace, trace_or_documents
 
     figure.check()
     given = [trace_or_documents(one, wanted.column) for one in files]
@@ -105,31 +104,20 @@ def identify(
         documents[0] if documents else None,
         **{key: x for key, x in vars(wanted).items() if key != "column"},
     )
-    quantities = {trace.quantity for trace in traces}
-    dimensions = _dimensions(quantities.pop()) if len(quantities) == 1 else {}
     if form() == "csv":
-        emit(rows_of(found), IMPACT_COLUMNS)
+        emit((row for one in found for row in one.impacts), IMPACT_COLUMNS)
     else:
-        rows = [one.row for one in found]
-        emit(rows, COLUMNS, dimensions=dimensions)
+        reading = DIMENSIONS[traces[0].quantity]
+        alike = all(trace.quantity == traces[0].quantity for trace in traces)
+        readings = dict.fromkeys(("noise", "rms", "offset"), reading) if alike else {}
+        emit((one.row for one in found), COLUMNS, dimensions=readings)
     lines = found[-1].lines
-    if form() is None:
-        put(*(("", *lines) if lines else ()))
-    else:
+    if form() is not None:
         note(*lines)
+    elif lines:
+        put("", *lines)
     if figure.output is not None:
         from ..reports.figures.free_rocking import draw_identified
 
         draw_identified(found, figure.output, units_of(), figure.overwrite, tell=note)
     note(*(line for one in found for line in one.remarks))
-
-
-def _dimensions(quantity: str) -> dict[str, str]:
-    """Return the dimensions of the columns that are readings."""
-    reading, drift = {
-        "theta": ("angle", "angular velocity"),
-        "displacement": ("length", "velocity"),
-        "uplift": ("length", "velocity"),
-    }.get(quantity, ("angular velocity", None))
-    found = dict.fromkeys(("noise", "rms", "offset"), reading)
-    return found if drift is None else found | {"drift": drift}

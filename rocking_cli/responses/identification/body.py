@@ -16,11 +16,16 @@ from ...errors import DocumentError
 from ...structures.given import Structure, structure_from
 from ...structures.kinds import rigid_body_of
 from .first_look import Release
-from .unknowns import ALPHA, INSET, Shape, angle_shape, inset_shape
 
 if TYPE_CHECKING:
     from ...structures.mechanics.single_body import RigidBody
     from ...structures.parameters import RockingParameters
+
+INSET, ALPHA, BOTH = "inset", "alpha", "alpha,p"
+FITS = (INSET, ALPHA, BOTH)
+_LARGEST = 1.5  # rad
+# (theta [rad], theta_dot [rad/s], alpha, p) with their signs: returns the reading in SI
+Reading = Callable[[Array, Array, Array, Array], Array]
 
 
 class KnownBody(NamedTuple):
@@ -30,19 +35,9 @@ class KnownBody(NamedTuple):
     rigid: RigidBody | None  # None for a body that takes no inset
 
     @property
-    def p(self) -> tuple[float, float]:
-        """p of the right and the left edge without an inset [rad/s]."""
-        if self.rigid is not None:
-            return self.edge(0.0, 0)[1], self.edge(0.0, 1)[1]
-        left, right = self.known.left_and_right
-        return right.p, left.p
-
-    @property
-    def alpha(self) -> float:
-        """alpha without an inset, the mean of both edges [rad]."""
-        if self.rigid is not None:
-            return 0.5 * (self.edge(0.0, 0)[0] + self.edge(0.0, 1)[0])
-        return 0.5 * sum(side.alpha for side in self.known.left_and_right)
+    def lever(self) -> float | None:
+        """The largest inset [m], None for a body that takes none."""
+        return None if self.rigid is None else self.rigid.lever
 
     @property
     def height(self) -> float | None:
@@ -50,22 +45,23 @@ class KnownBody(NamedTuple):
         side = self.known.left_and_right[0]
         return None if side.arm is None else side.arm * math.cos(side.alpha)
 
-    def edge(self, inset: float, side: int) -> tuple[float, float]:
-        """Return (alpha, p) on a pivot inside its edge; side: 0 right, 1 left."""
-        assert self.rigid is not None
-        found = self.rigid.inset_by(inset).edges(self.known.gravity)[1 - side]
-        return found.alpha, found.p
-
-    def momentum(self, insets: Array) -> float:
-        """Return the restitution from angular momentum, the mean of both edges; insets:
-        that of both, or of the right and the left one [m].
+    def on(self, insets: Array) -> tuple[Array, float]:
+        """Return (ln alpha right, left, ln p right, left, (4,); eta from angular
+        momentum) on pivots inside the edges; insets: right and left [m].
         """
         if self.rigid is None:
-            return float(self.known.eta)
-        edges = [
-            self.rigid.inset_by(float(x)).edges(self.known.gravity) for x in insets
-        ]
-        return 0.5 * (edges[0][1].eta + edges[-1][0].eta)
+            left, right = self.known.left_and_right
+            edges, eta = [(x.alpha, x.p) for x in (right, left)], float(self.known.eta)
+        else:
+            bodies = [self.rigid.inset_by(x) for x in insets.tolist()]
+            pair = [
+                one.edges(self.known.gravity)[1 - i] for i, one in enumerate(bodies)
+            ]
+            edges, eta = (
+                [(x.alpha, x.p) for x in pair],
+                0.5 * (pair[0].eta + pair[1].eta),
+            )
+        return np.log(edges).T.ravel(), eta
 
 
 def body_of(structure: Structure) -> KnownBody:
@@ -90,17 +86,17 @@ def body_of(structure: Structure) -> KnownBody:
     return KnownBody(known, None if document is None else rigid_body_of(document))
 
 
-def reading_of(quantity: str, body: KnownBody | None, z: float) -> Callable[..., Array]:
-    """Return how a sensor reads the motion, see `fit.Reading`; z: height of a point
-    whose displacement is measured [m].
+def reading_of(quantity: str, body: KnownBody | None, z: float) -> Reading:
+    """Return how a sensor reads the motion; z: height of a point whose displacement is
+    measured [m].
     """
     if quantity == "theta_dot":
         return lambda theta, rate, alpha, p: rate
     if quantity == "theta":
         return lambda theta, rate, alpha, p: theta
-    centre = None if body is None else body.height
-    if quantity == "uplift" and body is not None and body.rigid is not None:
-        other, above = body.rigid.lever, centre or 0.0
+    height = None if body is None else body.height
+    if quantity == "uplift" and body is not None:
+        other, above = body.lever or 0.0, height or 0.0
         return lambda theta, rate, alpha, p: (
             (other + above * np.tan(alpha)) * np.sin(np.abs(theta))
         )
@@ -108,32 +104,59 @@ def reading_of(quantity: str, body: KnownBody | None, z: float) -> Callable[...,
 
     def displaced(theta: Array, rate: Array, alpha: Array, p: Array) -> Array:
         # from the pivot to the middle of the base; of a block without a structure
-        middle = (
-            0.75 * gravity / p**2 * np.sin(alpha)
-            if centre is None
-            else centre * np.tan(alpha)
-        )
+        block = 0.75 * gravity / p**2 * np.sin(alpha)
+        middle = block if height is None else height * np.tan(alpha)
         return z * np.sin(theta) - np.sign(theta) * middle * (np.cos(theta) - 1.0)
 
     return displaced
+
+
+class Shape(NamedTuple):
+    """The unknowns of a fit that hold for the whole trace."""
+
+    fit: str  # one of FITS
+    two_sides: bool
+    # ln alpha of the right and the left edge and ln p of both, (4,), at the unknowns:
+    # insets over the lever; or ln alpha, ln(p^2 alpha) unless p is known, and of two
+    # sides ln of alpha right over left
+    at: Callable[[Array], Array]
+    starts: list[Array]  # unknowns to begin with
 
 
 def shape_of(
     fit: str, two_sides: bool, release: Release, body: KnownBody | None
 ) -> Shape:
     """Return the unknowns of a fit of a release."""
-    longs, tops = np.diff(release.impacts), release.peaks
+    if fit == INSET and body is not None and body.lever is not None:
+        lever, known = body.lever, body
 
-    def p_at(alpha: float) -> float:
-        """The median p for which a peak gives the length of its half-cycle, linear."""
-        x = np.clip(tops[1:] / alpha, 1e-4, 0.97)
-        return float(np.median(2.0 * np.arccosh(1.0 / (1.0 - x)) / longs))
+        def with_insets(u: Array) -> Array:
+            # beyond the lever there is no body: a large inset stays just below it
+            return known.on(lever * np.minimum(np.broadcast_to(u, 2), 0.999))[0]
 
-    if fit == INSET and body is not None and body.rigid is not None:
-        return inset_shape(body.edge, body.rigid.lever, two_sides)
-    # alpha of each side over the other, from peaks and lengths of their half-cycles
-    alphas = tops[1:] / (1.0 - 1.0 / np.cosh(0.5 * p_at(1.3 * tops[0]) * longs))
-    means = [np.median(alphas[i::2]) for i in (1 - release.side, release.side)]
-    ratio = float(np.clip(means[0] / means[1], 0.5, 2.0)) if two_sides else None
-    p = body.p if fit == ALPHA and body is not None else None
-    return angle_shape(float(tops[0]), p_at, p, ratio)
+        shares = (0.0, 0.15, 0.3, 0.45, 0.6)
+        return Shape(
+            INSET, two_sides, with_insets, [np.full(1 + two_sides, x) for x in shares]
+        )
+    ln_p = body.on(np.zeros(2))[0][2:] if fit == ALPHA and body is not None else None
+
+    def with_angles(u: Array) -> Array:
+        # ln alpha as it is, but below a right angle
+        ln_alpha = np.log(_LARGEST * np.tanh(np.exp(u[0]) / _LARGEST))
+        half = (0.5 * u[-1] if two_sides else 0.0) * np.array([1.0, -1.0])
+        both = np.full(2, 0.5 * (u[1] - ln_alpha)) if ln_p is None else ln_p
+        return np.concatenate([ln_alpha + half, both])
+
+    starts, tops, longs = [], release.peaks[1:], np.diff(release.impacts)
+    for alpha in release.peaks[0] * np.array([1.03, 1.08, 1.3, 2.0, 4.0]):
+        # the median p for which a peak gives the length of its half-cycle, linear, and
+        # the alphas that lengths then give
+        x = np.clip(tops / alpha, 1e-4, 0.97)
+        p = np.median(2.0 * np.arccosh(1.0 / (1.0 - x)) / longs)
+        alphas = np.log(tops / (1.0 - 1.0 / np.cosh(0.5 * p * longs)))
+        right, left = (
+            np.median(alphas[(k + 1 - release.side) % 2 :: 2]) for k in (0, 1)
+        )
+        angles = [np.log(alpha)] + [np.log(p**2 * alpha)] * (ln_p is None)
+        starts.append(np.array(angles + [right - left] * two_sides))
+    return Shape(fit, two_sides, with_angles, starts)

@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 
 from ...arrays import Array
 from ...errors import DocumentError
+from .body import INSET, Shape
 from .first_look import noise_of
-from .fit import Mixed, Saturated, correlations, covariance_of, free_motion, with_noise
-from .unknowns import INSET, Shape
+from .fit import Mixed, Saturated, correlations, covariance_of, with_noise
 
-_TINY = 1e-300
 _F = 5.0  # of one step of the zero an impact
 _STEP = 0.003  # of the first peak: a smaller step of the zero is none
 _LIKELY = 0.02  # of the first peak, a step of a body that slides
@@ -24,7 +24,7 @@ _SIDES = 4.0  # standard deviations of the ratio of the sides
 
 
 class Residuals(NamedTuple):
-    """What a fit leaves."""
+    """What fit A leaves."""
 
     noise: float  # of a reading, from third differences [SI]
     rms: float  # of the residuals [SI]
@@ -35,16 +35,16 @@ class Residuals(NamedTuple):
 def residuals(fit: Saturated) -> Residuals:
     """Return what fit A leaves."""
     rest = fit.residuals[fit.kept]
-    noise, rms = noise_of(fit.window.y), float(np.sqrt(np.mean(rest**2)))
-    more = np.sqrt(max(rms**2 - noise**2, 0.0)) / first_peak(fit)
+    noise, rms = noise_of(fit.model.y), float(np.sqrt(np.mean(rest**2)))
+    more = np.sqrt(max(rms**2 - noise**2, 0.0)) / _first_peak(fit)
     large = rms > _NOISY * noise and correlations(rest, 1)[0] > _CORRELATED
     return Residuals(noise, rms, float(more), not large)
 
 
-def first_peak(fit: Saturated) -> float:
+def _first_peak(fit: Saturated) -> float:
     """Return the largest reading of the motion [SI]."""
-    zero = fit.model.y - fit.w[fit.offset] - fit.w[fit.offset + 1] * fit.window.middle
-    return float(np.max(np.abs(zero)))
+    zero = fit.motion.slope[:, -3:-1] @ fit.w[-3:-1]
+    return float(np.max(np.abs(fit.motion.y - zero)))
 
 
 def require_free_rocking(name: str, fit: Mixed, two_sided: Shape, rates: bool) -> bool:
@@ -52,17 +52,16 @@ def require_free_rocking(name: str, fit: Mixed, two_sided: Shape, rates: bool) -
     if the two sides differ although the fit takes them alike. two_sided: the shape with
     two sides; rates: True for angular speeds.
     """
-    left = residuals(fit.saturated)
-    if left.unexplained > _LEFT_OVER:
+    first, motion = fit.first, fit.motion
+    no_rocking = f"{name}: this is not free rocking of a rigid body:"
+    unexplained = residuals(first).unexplained
+    if unexplained > _LEFT_OVER:
         raise DocumentError(
-            f"{name}: this is not free rocking of a rigid body: the fit leaves"
-            f" {100.0 * left.unexplained:.2g} % of the first peak"
+            f"{no_rocking} the fit leaves {100.0 * unexplained:.2g} % of the first peak"
         )
-    differ = not fit.saturated.shape.two_sides and _sides_differ(
-        fit.saturated, two_sided
-    )
+    differ = not first.model.shape.two_sides and _sides_differ(first, two_sided)
     hint = "; two sides fit it better: `two_sides`" if differ else ""
-    for k, (eta, slope) in enumerate(zip(fit.eta, fit.model.ln_eta_slope, strict=True)):
+    for k, (eta, slope) in enumerate(zip(motion.eta, motion.ln_eta_slope, strict=True)):
         sd = fit.deviation(eta * slope)
         if eta > max(_GAIN, 1.0 + _GAIN_DEVIATIONS * sd):
             raise DocumentError(
@@ -70,19 +69,18 @@ def require_free_rocking(name: str, fit: Mixed, two_sided: Shape, rates: bool) -
                 f" ({eta:.3g} +- {sd:.1g}): somebody pushes, the ground moves, or the"
                 f" sides differ{hint}"
             )
-    moves = np.zeros(1) if rates else _steps(fit.saturated)
-    at = int(np.argmax(np.abs(moves)))
-    if abs(moves[at]) > _STEP:
+    moves = np.zeros(1) if rates else np.abs(_steps(first))
+    at = int(np.argmax(moves))
+    if moves[at] > _STEP:
         raise DocumentError(
-            f"{name}: the zero moves at impact {at + 1} by"
-            f" {100.0 * abs(moves[at]):.2g} % of the first peak: it slides, the sensor"
-            f" moved, or its edges are round{hint}"
+            f"{name}: the zero moves at impact {at + 1} by {100.0 * moves[at]:.2g} % of"
+            " the first peak: it slides, the sensor moved, or its edges are"
+            f" round{hint}"
         )
-    beside = fit.saturated.left_out
-    if beside > _BESIDE:
+    if first.left_out > _BESIDE:
         raise DocumentError(
-            f"{name}: this is not free rocking of a rigid body:"
-            f" {100.0 * beside:.2g} % of the samples lie beside the fit"
+            f"{no_rocking} {100.0 * first.left_out:.2g} % of the samples lie beside the"
+            " fit"
         )
     return differ
 
@@ -91,11 +89,12 @@ def _sides_differ(fit: Saturated, two_sided: Shape) -> bool:
     """True if one linear solve beside fit A, which takes the sides alike, finds a ratio
     of them, or a difference of their insets.
     """
-    u = fit.w[: fit.shape.starts[0].size]
-    both = np.append(u, u if fit.shape.fit == INSET else 0.0)
-    split = free_motion(fit.window, two_sided, np.append(both, fit.w[u.size :]))
-    column = split.slope[:, u.size]
-    rows = fit.whitened(np.column_stack([fit.model.slope, column])) / fit.sigma
+    free = fit.model.shape.starts[0].size
+    more = fit.w[:free] if two_sided.fit == INSET else np.zeros(1)
+    w = np.insert(fit.w, free, more)
+    column = replace(fit.model, shape=two_sided).at(w).slope[:, free]
+    rows = np.column_stack([fit.motion.slope[:, :-1], column])
+    rows = fit.whitened(rows) / fit.sigma
     try:
         covariance = covariance_of(rows)
     except DocumentError:  # the trace does not tell them apart
@@ -108,25 +107,25 @@ def _steps(fit: Saturated) -> Array:
     """Return the steps of the zero at impacts 1 to n over the first peak, from linear
     solves beside fit A; zeros if they are not significant.
     """
-    steps = first_peak(fit) * (fit.window.t[:, None] >= fit.model.impacts[:-1])
-    columns = np.hstack([fit.model.slope, steps])
-    count, unknowns = steps.shape[1], columns.shape[1]
+    steps = _first_peak(fit) * (fit.model.t[:, None] >= fit.motion.impacts[:-1])
+    columns, count = np.hstack([fit.motion.slope, steps]), steps.shape[1]
     # the noise is what is left beside the steps: they alone may correlate the rest
-    alone = _left(columns[fit.kept], fit.residuals[fit.kept])
+    alone = np.zeros(fit.kept.size)
+    alone[fit.kept] = _left(columns[fit.kept], fit.residuals[fit.kept])
     fit = with_noise(fit, alone)
     rest, rows = fit.whitened(fit.residuals), fit.whitened(columns)
     least = float(np.sum(_left(rows, rest) ** 2))
     squares = float(np.sum(_left(rows[:, :-count], rest) ** 2))
-    f = (squares - least) / count / (least / max(rest.size - unknowns, 1))
+    f = (squares - least) / count / (least / max(rest.size - rows.shape[1], 1))
     # drift and steps are almost alike: a likely size holds the steps
-    held = fit.sigma / _LIKELY * np.eye(unknowns)[-count:]
+    held = fit.sigma / _LIKELY * np.eye(rows.shape[1])[-count:]
     found = _solved(np.vstack([rows, held]), np.append(rest, np.zeros(count)))
     return np.asarray(found[-count:] * (f > _F))
 
 
 def _solved(rows: Array, rest: Array) -> Array:
     """Return the solution of a linear problem of least squares."""
-    scale = np.maximum(np.linalg.norm(rows, axis=0), _TINY)
+    scale = np.maximum(np.linalg.norm(rows, axis=0), 1e-300)
     return np.asarray(np.linalg.lstsq(rows / scale, rest, rcond=None)[0] / scale)
 
 

@@ -11,18 +11,9 @@ The next impact is 2 Q later, and eta_k^2 = K(theta_k)/K(theta_(k-1)) at impact 
 with alpha and p of its own side.
 """
 
-from collections.abc import Callable
-
 import numpy as np
 
 from ...arrays import Array
-
-_STEP = 1e-5  # of central differences in ln alpha, ln p and z
-
-
-def peaks(alpha: Array, z: Array) -> Array:
-    """Return peak rotations [rad] below alpha: alpha/(1 + exp(-z))."""
-    return alpha / (1.0 + np.exp(-z))
 
 
 def half_angle_difference(theta: Array, alpha: Array) -> Array:
@@ -51,27 +42,6 @@ def motion(since: Array, theta: Array, alpha: Array, p: Array) -> tuple[Array, A
     m = np.cos(0.5 * (alpha - theta)) ** 2
     sn, cn, dn, _ = ellipj(p * since, m)
     least = np.sin(0.5 * (alpha - theta))
-    ratio = np.minimum(least / dn, 1.0)
+    psi = 2.0 * np.arcsin(np.minimum(least / dn, 1.0))
     rate = least * p * m * sn * cn / dn**2
-    psi = 2.0 * np.arcsin(ratio)
     return alpha - psi, -2.0 * rate / np.maximum(np.cos(0.5 * psi), 1e-9)
-
-
-def slopes(
-    function: Callable[[Array, Array, Array], Array],
-    ln_alpha: Array,
-    ln_p: Array,
-    z: Array,
-) -> tuple[Array, Array, Array]:
-    """Return the derivatives of a function of (theta, alpha, p) with respect to ln
-    alpha, ln p and z, where theta is the peak of `peaks`.
-    """
-
-    def at(a: float, b: float, c: float) -> Array:
-        alpha = np.exp(ln_alpha + a)
-        return function(peaks(alpha, z + c), alpha, np.exp(ln_p + b))
-
-    first, second, third = (
-        (at(*step) - at(*-step)) / (2.0 * _STEP) for step in _STEP * np.eye(3)
-    )
-    return first, second, third

@@ -3,6 +3,7 @@ takes start values from here, never an estimate.
 """
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -16,7 +17,7 @@ _BAND = 0.05  # of the largest value: smaller ones are no half-cycle
 _LEFT = 0.97  # of the first peak: the hand has gone when the fall is below
 _AGAIN = 1.5  # a peak larger by this factor begins a new release,
 _LOW = 0.5  # if the one before is smaller than this share of the first one
-_SQUARE = 0.3  # of the height of a square wave: less is no side of it
+_SQUARE = 0.15  # of the range of a square wave: less is no side of it
 _FINEST = 1e-5  # of the range: no trace is less noisy
 _SIGMAS = 6.0  # peaks below so many noises are left out
 
@@ -25,18 +26,10 @@ _SIGMAS = 6.0  # peaks below so many noises are left out
 class Release:
     """One release: the window that is fitted, and what it looks like."""
 
-    first: int  # index of the first sample of the window
-    end: int  # index behind its last sample
+    window: slice  # of the samples
     side: int  # of the first half-cycle: 0 right (theta > 0), 1 left
-    impacts: (
-        Array  # approximate times of the impacts [s], (n + 1,); the last one ends it
-    )
+    impacts: Array  # approximate times [s], (n + 1,); the last one ends the window
     peaks: Array  # approximate peaks of half-cycles 0 to n, unsigned, (n + 1,)
-
-    @property
-    def count(self) -> int:
-        """The number n of impacts with a whole half-cycle after them."""
-        return len(self.impacts) - 1
 
 
 def noise_of(y: Array) -> float:
@@ -61,26 +54,25 @@ def releases_of(trace: Trace, y: Array, rates: bool, least: float) -> list[Relea
             f"{trace.name}: found {counted(t.size, 'sample')}; expected a trace of free"
             " rocking"
         )
-    _require_return(trace, y)
+    turns = _turns(_smooth(y))
+    swings = np.abs(np.diff(y[turns]))
+    if swings.size and abs(y[-1] - y[turns[-1]]) > _AGAIN * swings.max():
+        raise DocumentError(
+            f"{trace.name}: the reading grows beyond {abs(y[turns]).max():.3g} (in SI)"
+            " and does not return: it falls"
+        )
     v = _integrated(t, y) if rates else _centred(t, _smooth(y))
-    least_peak = 0.0 if rates else _SIGMAS * noise_of(y)
-    stays = _stays(
-        v, max(min(_BAND, 0.8 * least) * np.max(np.abs(v)), 0.5 * least_peak)
-    )
-    if len(stays) < 2:
+    lowest = 0.0 if rates else _SIGMAS * noise_of(y)
+    band = max(min(_BAND, 0.8 * least) * np.max(np.abs(v)), 0.5 * lowest)
+    stays, crossings = _stays(t, v, band)
+    if stays.size < 2:
         raise DocumentError(
             f"{trace.name}: the trace never crosses its zero: no impact (one-sided"
             " body? overturned?)"
         )
-    crossings = np.array([_crossing(t, v, i) for i, _ in stays[1:]])
-    heights = np.array(
-        [
-            np.max(np.abs(v[i:j]))
-            for (i, _), (j, _) in zip(stays, [*stays[1:], (v.size, 0)], strict=True)
-        ]
-    )
+    heights = np.maximum.reduceat(np.abs(v), stays)
     begins = [0]
-    for i in range(1, len(stays)):
+    for i in range(1, stays.size):
         if heights[i] <= _AGAIN * heights[i - 1]:
             continue
         if begins[-1] == i - 1:  # the hand was on the other side first
@@ -88,26 +80,24 @@ def releases_of(trace: Trace, y: Array, rates: bool, least: float) -> list[Relea
         elif heights[i - 1] < _LOW * heights[begins[-1]]:
             begins.append(i)
     found = []
-    for first, behind in zip(begins, [*begins[1:], len(stays)], strict=True):
+    for first, behind in pairwise([*begins, stays.size]):
         # the last stay of a release has no impact of its own at its end
-        if behind - first >= 2:
-            found.append(
-                _release(
-                    trace,
-                    v,
-                    stays,
-                    crossings,
-                    heights,
-                    (first, behind),
-                    (least, least_peak),
-                )
-            )
+        if behind - first < 2:
+            continue
+        times, tops = crossings[first : behind - 1], heights[first : behind - 1]
+        count = _used(trace, times, tops, max(least * tops[0], lowest))
+        times, tops = times[: count + 1], tops[: count + 1]
+        begin, end = stays[first], np.searchsorted(t, times[-1])
+        held = np.abs(v[begin : np.searchsorted(t, times[0])]) >= _LEFT * tops[0]
+        window = slice(int(begin + np.flatnonzero(held)[-1] + 1), int(end))
+        _require_no_gap(trace, window, 0.25 * float(np.min(np.diff(times))))
+        found.append(Release(window, int(v[begin] < 0.0), times, tops))
     if not found:
-        raise _few(trace, 0)
+        raise too_few(trace, 0)
     return found
 
 
-def _few(trace: Trace, count: int) -> DocumentError:
+def too_few(trace: Trace, count: int) -> DocumentError:
     """Return the error for too few impacts."""
     return DocumentError(
         f"{trace.name}: {counted(count, 'impact')} with a whole half-cycle after"
@@ -133,75 +123,35 @@ def sign_changes(t: Array, y: Array) -> Array:
 
     v = median_filter(y, 5, mode="nearest")
     low, high = np.percentile(v, [2.0, 98.0])
-    v = v - 0.5 * (low + high)
-    stays = _stays(v, _SQUARE * 0.5 * (high - low))
-    return np.array([_crossing(t, v, i) for i, _ in stays[1:]])
-
-
-def _release(
-    trace: Trace,
-    v: Array,
-    stays: list[tuple[int, int]],
-    crossings: Array,
-    heights: Array,
-    span: tuple[int, int],
-    least: tuple[float, float],
-) -> Release:
-    """Return the release of the stays of a span. Raises DocumentError."""
-    t, (first, behind) = trace.t, span
-    times, tops = crossings[first : behind - 1], heights[first : behind - 1]
-    count = _used(trace, times, tops, max(least[0] * tops[0], least[1]))
-    times, tops = times[: count + 1], tops[: count + 1]
-    begin = stays[first][0]
-    held = np.abs(v[begin : np.searchsorted(t, times[0])]) >= _LEFT * tops[0]
-    begin += int(np.flatnonzero(held)[-1]) + 1
-    end = int(np.searchsorted(t, times[-1]))
-    _require_no_gap(trace, begin, end, 0.25 * float(np.min(np.diff(times))))
-    return Release(begin, end, int(stays[first][1] < 0), times, tops)
+    return _stays(t, v - 0.5 * (low + high), _SQUARE * (high - low))[1]
 
 
 def _used(trace: Trace, times: Array, tops: Array, lowest: float) -> int:
     """Return the number of impacts before the first half-cycle that is too small or too
     short, of those with these peaks, which the impacts end. Raises DocumentError.
     """
-    count, t = len(tops) - 1, trace.t
-    for k in range(1, len(tops)):
-        samples = int(np.sum((t > times[k - 1]) & (t < times[k])))
-        if k <= LEAST_IMPACTS and samples < LEAST_SAMPLES:
-            rate = LEAST_SAMPLES / np.min(np.diff(times[: LEAST_IMPACTS + 1]))
-            raise DocumentError(
-                f"{trace.name}: half-cycle {k} has {samples} samples; {LEAST_SAMPLES}"
-                f" are needed: sample faster than {rate:.3g} Hz"
-            )
-        if tops[k] < lowest or samples < LEAST_SAMPLES:
-            count = k - 1
-            break
-    if count < LEAST_IMPACTS:
-        raise _few(trace, count)
-    return count
+    samples = np.diff(np.searchsorted(trace.t, times))  # of half-cycles 1, 2, ...
+    small = np.flatnonzero((tops[1:] < lowest) | (samples < LEAST_SAMPLES))
+    count = int(small[0]) if small.size else samples.size
+    if count >= LEAST_IMPACTS:
+        return count
+    if small.size and samples[count] < LEAST_SAMPLES:
+        rate = LEAST_SAMPLES / np.min(np.diff(times[: LEAST_IMPACTS + 1]))
+        raise DocumentError(
+            f"{trace.name}: half-cycle {count + 1} has {samples[count]} samples;"
+            f" {LEAST_SAMPLES} are needed: sample faster than {rate:.3g} Hz"
+        )
+    raise too_few(trace, count)
 
 
-def _require_no_gap(trace: Trace, begin: int, end: int, most: float) -> None:
+def _require_no_gap(trace: Trace, window: slice, most: float) -> None:
     """Raise DocumentError if two samples of a window are farther apart than `most`."""
-    steps = np.diff(trace.t[begin:end])
+    steps = np.diff(trace.t[window])
     at = int(np.argmax(steps))
     if steps[at] > most:
         raise DocumentError(
-            f"{trace.name}:{trace.lines[begin + at + 1]}: a gap of {steps[at]:.3g} s;"
+            f"{trace.name}:{trace.lines[window][at + 1]}: a gap of {steps[at]:.3g} s;"
             f" expected at most a quarter of a half-cycle, {most:.3g} s"
-        )
-
-
-def _require_return(trace: Trace, y: Array) -> None:
-    """Raise DocumentError if the trace ends on a way out that is longer than every
-    swing before.
-    """
-    at = _turns(_smooth(y))
-    swings = np.abs(np.diff(y[at]))
-    if swings.size and abs(y[-1] - y[at[-1]]) > _AGAIN * swings.max():
-        raise DocumentError(
-            f"{trace.name}: the reading grows beyond {abs(y[at]).max():.3g} (in SI) and"
-            " does not return: it falls"
         )
 
 
@@ -252,16 +202,14 @@ def _integrated(t: Array, rate: Array) -> Array:
     return np.asarray(v)
 
 
-def _stays(v: Array, band: float) -> list[tuple[int, int]]:
-    """Return (first index, sign) of each stay on one side beyond the band."""
+def _stays(t: Array, v: Array, band: float) -> tuple[Array, Array]:
+    """Return (the first index of each stay on one side beyond the band, times of the
+    last zero before each but the first).
+    """
     beyond = np.flatnonzero(np.abs(v) > band)
-    sign = np.sign(v[beyond]).astype(int)
-    new = np.flatnonzero(np.diff(sign, prepend=0))
-    return [(int(beyond[i]), int(sign[i])) for i in new]
-
-
-def _crossing(t: Array, v: Array, i: int) -> float:
-    """Return the time of the last zero before the sample i."""
-    before = np.flatnonzero(v[:i] * v[i] <= 0.0)[-1]
-    a, b = v[before], v[before + 1]
-    return float(t[before] + (t[before + 1] - t[before]) * a / (a - b))
+    begins = beyond[np.flatnonzero(np.diff(np.sign(v[beyond]), prepend=0.0))]
+    before = np.array(
+        [np.flatnonzero(v[:i] * v[i] <= 0.0)[-1] for i in begins[1:]], int
+    )
+    share = v[before] / (v[before] - v[before + 1])
+    return begins, t[before] + (t[before + 1] - t[before]) * share

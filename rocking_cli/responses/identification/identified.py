@@ -5,7 +5,7 @@ cannot be told.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
@@ -31,7 +31,6 @@ IMPACT_COLUMNS = (
     *("trace", "release", "impact", "t", "side", "theta_before", "ratio"),
     *("eta", "eta_low", "eta_high", "eta_alone"),
 )
-
 _TINY = 1e-12
 
 
@@ -40,15 +39,16 @@ class Estimate(NamedTuple):
 
     value: float
     sd: float
+    factor: float = 0.0  # half the width of its interval over sd
 
     def text(self, unit: str = "", factor: float = 1.0) -> str:
         """Return it as a document states a number with a spread, the spread to two
         digits.
         """
-        value, sd = self.value / factor, max(self.sd / factor, 1e-12)
+        value, sd = self.value / factor, max(self.sd / factor, _TINY)
         digits = max(0, 1 - math.floor(math.log10(sd)))
-        unit = f" {unit}" if unit else ""
-        return f"{value:.{digits}f}{unit} +- {sd:.{digits}f}{unit}"
+        parts = (f"{value:.{digits}f}", unit, "+-", f"{sd:.{digits}f}", unit)
+        return " ".join(filter(None, parts))
 
 
 @dataclass(frozen=True)
@@ -103,37 +103,27 @@ class Identification(Shown):
         return self.impacts
 
 
-def bounds(name: str, found: Estimate | None, factor: float) -> dict[str, float | None]:
-    """Return a column with its interval; factor: half its width over the deviation."""
-    keys = (name, f"{name}_low", f"{name}_high")
-    if found is None:
-        return dict.fromkeys(keys)
-    half = factor * found.sd
-    return dict(
-        zip(keys, (found.value, found.value - half, found.value + half), strict=True)
-    )
+def bounds(found: Mapping[str, Estimate]) -> dict[str, float]:
+    """Return columns of estimates, each with the ends of its interval."""
+    ends = (("", 0.0), ("_low", -1.0), ("_high", 1.0))
+    return {
+        key + end: one.value + side * one.factor * one.sd
+        for key, one in found.items()
+        for end, side in ends
+    }
 
 
 def mean_of(found: Sequence[Estimate]) -> tuple[Estimate, float]:
     """Return (the mean of several tests, the standard deviation between them): random
     effects by expectation and maximisation.
     """
-    values, own = np.array(found, float).T
+    values, own, _ = np.array(found, float).T
     between = float(np.std(values))
     for _ in range(200):
         weight = 1.0 / (between**2 + own**2)
-        mean, variance = (
-            float(weight @ values / weight.sum()),
-            1.0 / float(weight.sum()),
-        )
+        mean, variance = weight @ values / weight.sum(), 1.0 / weight.sum()
         # of the true value of each test, given its estimate
         shrunk = between**2 * weight
         left = shrunk**2 * (values - mean) ** 2 + (1.0 - shrunk) * between**2
         between = float(np.sqrt(np.mean(left + shrunk**2 * variance))) + _TINY
-    return Estimate(mean, math.sqrt(variance)), between
-
-
-def rows_of(found: Iterable[Identification]) -> Iterator[Mapping[str, Any]]:
-    """Yield the rows of the impacts of all releases."""
-    for one in found:
-        yield from one.impacts
+    return Estimate(float(mean), math.sqrt(variance)), between

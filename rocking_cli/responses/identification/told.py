@@ -1,19 +1,18 @@
-"""What the fits of a release tell, as estimates, rows and remarks."""
+"""What the fits of a release tell: estimates, rows, remarks, and lines to paste."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass
-from typing import Any
+import math
+from collections.abc import Iterator, Mapping
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from ...arrays import Array
-from .body import KnownBody
+from .body import ALPHA, BOTH, INSET, KnownBody
 from .checks import Residuals
 from .fit import LINE_FROM, Mixed
 from .identified import COLUMNS, Estimate, bounds
-from .unknowns import BOTH, INSET
 
 FEW = 6  # impacts: with fewer the intervals are too narrow
 LOW = 0.3  # theta_0/alpha: released lower, alpha and p are hardly apart
@@ -25,228 +24,138 @@ _SIDES = ("right", "left")
 
 def is_certain(found: Mixed) -> bool:
     """False if a fit knows alpha so little that it is not told."""
-    return found.deviation(found.model.gradient(0)) <= _KNOWN
+    return found.deviation(found.motion.ln_slope[0]) <= _KNOWN
 
 
-@dataclass(frozen=True)
-class Told:
+class Told(NamedTuple):
     """One release."""
 
     name: str  # of the trace
-    number: int  # of the release in it
-    fit: str  # one of FITS
     found: Mixed  # the fit
-    free: Mixed | None  # that of alpha and p, None if it fails
+    # by column; p is that of a fit of alpha and p; alpha and p are missing if they
+    # cannot be told apart
+    estimates: dict[str, Estimate]
+    restitution: Estimate  # eta for a document
+    at: float | None  # the theta/alpha at which it is taken, None for a mean
+    insets: Array  # of the right and the left side [m]; zeros if none is fitted
     left: Residuals
     differ: bool  # True if the sides differ, though the fit takes them alike
     body: KnownBody | None  # None without a structure
-    level: float  # of the intervals
-
-    @property
-    def two_sides(self) -> bool:
-        """True if the fit has two sides."""
-        return self.found.saturated.shape.two_sides
-
-    @property
-    def impacts(self) -> int:
-        """The number of impacts that are used."""
-        return self.found.x.size
-
-    @property
-    def ratio(self) -> float:
-        """theta/alpha of the release."""
-        return float(self.found.x[0])
-
-    def side(self, name: str) -> list[Estimate]:
-        """Return `inset` or `alpha` of the right and the left side."""
-        found = []
-        for i in (0, 1):
-            if name == INSET:
-                at = i if self.two_sides else 0
-                found.append(self._of(self.found.w[at], np.eye(at + 1)[at]))
-            else:
-                alpha = self.found.model.alpha[i]
-                found.append(self._of(alpha, alpha * self.found.model.gradient(i)))
-        return found
-
-    @property
-    def inset(self) -> Estimate | None:
-        """The inset, the mean of both sides [m]; None if it is not fitted."""
-        if self.fit != INSET:
-            return None
-        weights = np.full(2, 0.5) if self.two_sides else np.ones(1)
-        return self._of(weights @ self.found.w[: weights.size], weights)
-
-    @property
-    def alpha(self) -> Estimate:
-        """alpha, the mean of both sides [rad]."""
-        model = self.found.model
-        gradients = (model.alpha[i] * model.gradient(i) for i in (0, 1))
-        return self._of(model.alpha.mean(), 0.5 * sum(gradients))
-
-    @property
-    def is_told(self) -> bool:
-        """False if alpha and p cannot be told apart."""
-        return self.fit != BOTH or is_certain(self.found)
-
-    @property
-    def p(self) -> Estimate | None:
-        """p of the fit of alpha and p [rad/s]."""
-        if self.free is None:
-            return None
-        p = float(self.free.model.p.mean())
-        return Estimate(p, self.free.deviation(p * self.free.model.gradient(2)))
+    normal: float  # half the width of an interval over the standard deviation
 
     @property
     def p_structure(self) -> float | None:
         """p that the sizes give, with the inset that is found [rad/s]."""
-        if self.body is None:
-            return None
-        return float(np.mean(self.body.p if self.fit == BOTH else self.found.model.p))
-
-    @property
-    def p2alpha(self) -> Estimate:
-        """p^2 alpha [rad/s2], which is known best."""
-        model = self.found.model
-        value = float(model.p[0] ** 2 * model.alpha[0])
-        return self._of(value, value * (2.0 * model.gradient(2) + model.gradient(0)))
-
-    @property
-    def eta(self) -> Estimate:
-        """The mean restitution."""
-        return self._of_b(np.full(2, 0.5) if self.two_sides else np.ones(1))
-
-    @property
-    def slope(self) -> Estimate | None:
-        """The slope of eta over theta/alpha, None for few impacts and two sides."""
-        line = not self.two_sides and self.impacts >= LINE_FROM
-        return self._of_b(np.array([0.0, 1.0])) if line else None
-
-    @property
-    def depends(self) -> bool:
-        """True if the interval of the slope leaves 0 out."""
-        slope = self.slope
-        return slope is not None and abs(slope.value) > self.student(2) * slope.sd
-
-    @property
-    def restitution(self) -> tuple[Estimate, float | None]:
-        """(eta for a document, the theta/alpha at which it holds, None for a mean)."""
-        if not self.depends:
-            return self.eta, None
-        x = min(DECIDES, float(self.found.x.max()))
-        return self._of_b(np.array([1.0, x - self.found.centre])), x
-
-    @property
-    def momentum(self) -> float | None:
-        """eta from angular momentum, with the inset that is found."""
-        if self.body is None:
-            return None
-        insets = (
-            self.found.w[: 1 + self.two_sides] if self.fit == INSET else np.zeros(1)
+        body = self.body
+        return (
+            None if body is None else float(np.exp(body.on(self.insets)[0][2:]).mean())
         )
-        return self.body.momentum(insets)
 
     @property
-    def sides_apart(self) -> bool:
+    def apart(self) -> bool:
         """True if alpha of the two sides differs by 3 standard deviations."""
-        if not self.two_sides:
-            return False
-        model = self.found.model
-        ratio = np.log(model.alpha[0] / model.alpha[1])
-        return abs(ratio) > _APART * self.found.deviation(
-            model.gradient(0) - model.gradient(1)
-        )
-
-    @property
-    def p_apart(self) -> bool:
-        """True if p of the trace is not that of the sizes."""
-        p, sizes = self.p, self.p_structure
-        if p is None or sizes is None:
-            return False
-        return abs(p.value - sizes) > _APART * p.sd
-
-    def _of(self, value: float, gradient: Array) -> Estimate:
-        return Estimate(float(value), self.found.deviation(gradient))
-
-    def _of_b(self, weights: Array) -> Estimate:
-        """Return a combination of the coefficients of eta."""
-        gradient = np.append(np.zeros(self.found.w.size), weights)
-        return self._of(weights @ self.found.b[: weights.size], gradient)
-
-    @property
-    def normal(self) -> float:
-        """Half the width of an interval over its standard deviation."""
-        from scipy.special import ndtri
-
-        return float(ndtri(0.5 + 0.5 * self.level))
-
-    def student(self, unknowns: int = 1) -> float:
-        """Return the same of a mean over the impacts (Student's t)."""
-        from scipy.special import stdtrit
-
-        return float(stdtrit(max(self.impacts - unknowns, 1), 0.5 + 0.5 * self.level))
+        slope, alpha = self.found.motion.ln_slope, self.found.motion.alpha
+        sd = self.found.deviation(slope[0] - slope[1])
+        return abs(math.log(alpha[0] / alpha[1])) > _APART * sd > 0.0
 
 
-def estimates_of(told: Told) -> dict[str, Estimate]:
-    """Return what is told, by column."""
-    found = {"inset": told.inset, "alpha": told.alpha, "p": told.p, "eta": told.eta}
-    hidden = () if told.is_told else ("alpha", "p")
-    return {
-        key: one for key, one in found.items() if one is not None and key not in hidden
-    }
+def told_of(
+    name: str,
+    found: Mixed,
+    free: Mixed | None,
+    left: Residuals,
+    differ: bool,
+    body: KnownBody | None,
+    level: float,
+) -> Told:
+    """Return what a release tells. found: the fit; free: that of alpha and p, None if
+    it fails; left: what fit A leaves; differ: see `Told`; level: of the intervals.
+    """
+    from scipy.special import ndtri, stdtrit
+
+    shape, motion, count = found.first.model.shape, found.motion, found.x.size
+    normal = float(ndtri(0.5 + 0.5 * level))
+    # of a mean of so few
+    student, of_slope = stdtrit(
+        [count - 1, max(count - 2, 1)], 0.5 + 0.5 * level
+    ).tolist()
+    estimates: dict[str, Estimate] = {}
+    sides = {"": np.full(2, 0.5)} | dict(
+        zip(("_right", "_left"), np.eye(2), strict=True)
+    )
+    lever = body.lever if body is not None and shape.fit == INSET else None
+    insets = np.broadcast_to(found.w[: 1 + shape.two_sides], 2) * (lever or 0.0)
+    inset_slope = (lever or 0.0) * np.eye(2)[[0, 1 if shape.two_sides else 0]]
+    for side, weights in sides.items() if shape.two_sides else [("", sides[""])]:
+        if lever:
+            sd = found.deviation(weights @ inset_slope)
+            estimates[f"inset{side}"] = Estimate(float(weights @ insets), sd, normal)
+        if shape.fit != BOTH or is_certain(found):
+            alphas = weights * motion.alpha
+            sd = found.deviation(alphas @ motion.ln_slope[:2])
+            estimates[f"alpha{side}"] = Estimate(float(alphas.sum()), sd, normal)
+        of_b = weights if shape.two_sides else np.eye(1)[0]
+        estimates[f"eta{side}"] = found.of_eta(of_b, student)
+    if "alpha" in estimates and free is not None:
+        p = float(free.motion.p.mean())
+        sd = free.deviation(p * free.motion.ln_slope[2])
+        estimates["p"] = Estimate(p, sd, normal)
+    at, restitution = None, estimates["eta"]
+    if not shape.two_sides and count >= LINE_FROM:
+        slope = found.of_eta(np.array([0.0, 1.0]), of_slope)
+        estimates["eta_slope"] = slope
+        if abs(slope.value) > slope.factor * slope.sd:
+            at = min(DECIDES, float(found.x.max()))
+            restitution = found.of_eta(np.array([1.0, at - found.x.mean()]), student)
+    return Told(
+        name, found, estimates, restitution, at, insets, left, differ, body, normal
+    )
 
 
 def row_of(told: Told) -> dict[str, Any]:
-    """Return the row of a release, by COLUMNS."""
-    found, estimates = told.found, estimates_of(told)
-    row: dict[str, Any] = dict.fromkeys(COLUMNS)
-    for key in ("inset", "alpha", "p"):
-        row |= bounds(key, estimates.get(key), told.normal)
-    row |= bounds("eta", told.eta, told.student())
-    row |= bounds("eta_slope", told.slope, told.student(2))
-    if told.is_told:
-        row["theta0_ratio"] = told.ratio
-    if told.body is not None:
-        row["alpha_ratio"] = told.alpha.value / told.body.alpha
-    if told.two_sides:
-        row |= {"eta_right": float(found.b[0]), "eta_left": float(found.b[1])}
-        for key in (("inset",) if told.fit == INSET else ()) + ("alpha",):
-            for side, one in zip(_SIDES, told.side(key), strict=True):
-                row[f"{key}_{side}"] = one.value
-    at = found.saturated.offset
-    return row | {
-        "trace": told.name,
-        "release": told.number,
-        "impacts": told.impacts,
-        "p_structure": told.p_structure,
-        "eta_scatter": found.scatter,
-        "eta_momentum": told.momentum,
-        "noise": told.left.noise,
-        "rms": told.left.rms,
-        "offset": float(found.w[at]),
-        "drift": float(found.w[at + 1]),
-        "unexplained": told.left.unexplained,
-    }
+    """Return the row of a release, by COLUMNS, without its number."""
+    found, body = told.found, told.body
+    row = (
+        dict.fromkeys(COLUMNS)
+        | bounds(told.estimates)
+        | {
+            "trace": told.name,
+            "impacts": found.x.size,
+            "p_structure": told.p_structure,
+            "eta_scatter": found.scatter,
+            "noise": told.left.noise,
+            "rms": told.left.rms,
+            "offset": float(found.w[-3]),
+            "drift": float(found.w[-2]),
+            "unexplained": told.left.unexplained,
+        }
+    )
+    if "alpha" in told.estimates:
+        row["theta0_ratio"] = float(found.x[0])
+    if body is not None:
+        alpha = np.exp(body.on(np.zeros(2))[0][:2]).mean()
+        row["alpha_ratio"] = float(found.motion.alpha.mean() / alpha)
+        row["eta_momentum"] = body.on(told.insets)[1]
+    return row
 
 
 def impact_rows(told: Told) -> list[dict[str, Any]]:
-    """Return a row for each impact, by IMPACT_COLUMNS."""
-    model, alone = told.found.model, np.exp(told.found.saturated.model.ln_eta)
+    """Return a row for each impact, by IMPACT_COLUMNS, without the release."""
+    motion, first, normal = told.found.motion, told.found.first, told.normal
     rows = []
-    for k, eta in enumerate(told.found.eta):
-        sd = told.found.deviation(eta * model.ln_eta_slope[k])
-        side = told.found.saturated.window.sides[k]
+    for k, eta in enumerate(motion.eta.tolist()):
+        sd = told.found.deviation(eta * motion.ln_eta_slope[k])
+        side = first.model.sides[k]
         rows.append(
             {
                 "trace": told.name,
-                "release": told.number,
                 "impact": k + 1,
-                "t": float(model.impacts[k]),
+                "t": float(motion.impacts[k]),
                 "side": _SIDES[side],
-                "theta_before": float(model.theta[k]),
-                "ratio": float(model.theta[k] / model.alpha[side]),
-                **bounds("eta", Estimate(float(eta), sd), told.normal),
-                "eta_alone": float(alone[k]),
+                "theta_before": float(motion.theta[k]),
+                "ratio": float(motion.theta[k] / motion.alpha[side]),
+                **bounds({"eta": Estimate(eta, sd, normal)}),
+                "eta_alone": float(first.motion.eta[k]),
             }
         )
     return rows
@@ -254,31 +163,34 @@ def impact_rows(told: Told) -> list[dict[str, Any]]:
 
 def faults(told: Told) -> Iterator[str]:
     """Yield why no line may be pasted, in sentences."""
-    inset, p = told.inset, told.p
-    if told.p_apart and p is not None:
+    inset, p, sizes = *map(told.estimates.get, ("inset", "p")), told.p_structure
+    if p and sizes and abs(p.value - sizes) > _APART * p.sd:
         yield (
             f"p of the trace is {p.value:.4g} +- {p.sd:.1g} rad/s, that of the sizes"
-            f" {told.p_structure:.4g}: sizes, time or a moving pivot are wrong"
+            f" {sizes:.4g}: sizes, time or a moving pivot are wrong"
         )
     if not told.left.is_noise:
         yield (
             f"the fit leaves {100.0 * told.left.unexplained:.2g} % of the first peak,"
             " which is no noise"
         )
-    if told.body is None and (told.ratio < LOW or not told.is_told):
-        best = told.p2alpha
-        yield (
-            f"alpha and p cannot be told apart: p2 alpha = {best.value:.4g} +-"
-            f" {best.sd:.1g} rad/s2 is what this trace says; give the structure or"
-            " release higher"
+    if told.body is None and ("alpha" not in told.estimates or told.found.x[0] < LOW):
+        motion = told.found.motion
+        best = float(motion.p[0] ** 2 * motion.alpha[0])
+        sd = told.found.deviation(
+            best * (2.0 * motion.ln_slope[2] + motion.ln_slope[0])
         )
-    if inset is not None and inset.value + told.normal * inset.sd < 0.0:
+        yield (
+            f"alpha and p cannot be told apart: p2 alpha = {best:.4g} +- {sd:.1g}"
+            " rad/s2 is what this trace says; give the structure or release higher"
+        )
+    if inset and inset.value + inset.factor * inset.sd < 0.0:
         yield (
             f"the inset is {inset.text('mm', 1e-3)}: the pivots would lie outside the"
             " edges: check the gain and the sizes"
         )
-    if told.restitution[0].value > 1.0:
-        yield f"eta is {told.restitution[0].text()}, above 1"
+    if told.restitution.value > 1.0:
+        yield f"eta is {told.restitution.text()}, above 1"
     if told.differ:
         yield (
             "the sides differ, or the ground slopes: one alpha does not fit both"
@@ -286,26 +198,103 @@ def faults(told: Told) -> Iterator[str]:
         )
 
 
-def remarks_of(told: Told) -> list[str]:
+def remarks_of(told: Told) -> tuple[str, ...]:
     """Return what the trace does not tell, or contradicts, in sentences."""
-    found = [f"{told.name}: {why}; no lines to paste" for why in faults(told)]
-    if told.depends and told.slope is not None:
-        slope = told.slope
+    found = [f"{why}; no lines to paste" for why in faults(told)]
+    if told.at is not None:
+        slope = told.estimates["eta_slope"]
         found.append(
-            f"{told.name}: eta {'falls' if slope.value < 0.0 else 'grows'} with the"
-            f" amplitude, by {slope.text()} for each theta/alpha of 1: restitution is"
-            f" taken at {told.restitution[1]:.2g} alpha, since large impacts decide"
+            f"eta {'falls' if slope.value < 0.0 else 'grows'} with the amplitude, by"
+            f" {slope.text()} for each theta/alpha of 1: restitution is taken at"
+            f" {told.at:.2g} alpha, since large impacts decide"
         )
-    if told.sides_apart:
-        right, left = told.side("alpha")
+    if told.apart and "alpha" in told.estimates:
+        right, left = (told.estimates[f"alpha_{side}"].text("rad") for side in _SIDES)
         found.append(
-            f"{told.name}: alpha is {right.text('rad')} on the right side,"
-            f" {left.text('rad')} on the left: unequal pivots and a sloping ground give"
-            " the same trace"
+            f"alpha is {right} on the right side, {left} on the left: unequal pivots"
+            " and a sloping ground give the same trace"
         )
-    if told.impacts < FEW:
+    if told.found.x.size < FEW:
         found.append(
-            f"{told.name}: {told.impacts} impacts: the intervals are 5 to 10 % too"
-            " narrow"
+            f"{told.found.x.size} impacts: the intervals are 5 to 10 % too narrow"
         )
-    return found
+    return tuple(f"{told.name}: {one}" for one in found)
+
+
+def lines_of(told: Told) -> tuple[str, ...]:
+    """Return the lines of a document that one release gives; none with a fault."""
+    if any(faults(told)):
+        return ()
+    found, motion, body = told.estimates, told.found.motion, told.body
+    head = (
+        f"# {told.name}: {told.found.x.size} impacts, released at"
+        f" {told.found.x[0]:.2f} alpha ({motion.theta[0]:.4g} rad)",
+        f"# scatter between impacts {told.found.scatter:.1g}, between tests not known;"
+        " +-: noise only, not the gain",
+    )
+    if told.apart:
+        return *head, *_two_sided(told)
+    words = [f"at {told.at:.2g} alpha"] if told.at is not None else []
+    if body is not None:
+        words.append(f"momentum: {body.on(told.insets)[1]:.3f}")
+    if told.found.first.model.shape.fit == ALPHA:
+        found = found | {"p": Estimate(float(motion.p.mean()), 0.0)}
+    found = found | {"eta": told.restitution}
+    return *head, *document_lines(found, ", ".join(words), body)
+
+
+def document_lines(
+    found: Mapping[str, Estimate], comment: str, body: KnownBody | None
+) -> tuple[str, ...]:
+    """Return lines of a document: inset and restitution; alpha, p and eta; or
+    restitution alone. comment: on restitution.
+    """
+    eta = found["eta"].text()
+    restitution = f"restitution: {eta}" + (f"  # {comment}" if comment else "")
+    if "inset" in found and body is not None and body.lever:
+        share = 1.0 - found["inset"].value / body.lever
+        return (
+            f"inset: {found['inset'].text('mm', 1e-3)}  # effective half-width"
+            f" {share:.3f} of the geometric",
+            restitution,
+        )
+    if "alpha" not in found:
+        return (restitution,)
+    alpha = found["alpha"].value
+    return (
+        "kind: parameters",
+        f"p: {found['p'].value:.6g} rad/s",
+        f"alpha: {alpha:.6g} rad",
+        f"lambda: {math.tan(alpha):.6g}",
+        "a_scale: 1",  # else alpha/lambda, which is no rigid body
+        f"eta: {eta}",
+    )
+
+
+def _two_sided(told: Told) -> tuple[str, ...]:
+    """Return the lines of a body whose edges differ, with one restitution."""
+    eta, motion, body = told.restitution, told.found.motion, told.body
+    if told.insets.any() and body is not None and body.height is not None:
+        side = body.known.left_and_right[0]
+        arm = side.arm or 0.0
+        # I = m g R/p^2 about the edge
+        gyration = math.sqrt(body.known.gravity * arm / side.p**2 - arm**2)
+        lengths = {
+            **dict(zip(_SIDES, body.height * np.tan(motion.alpha), strict=True)),
+            "height": body.height,
+            "gyration": gyration,
+        }
+        return (
+            "kind: rigid",
+            *(f"{key}: {1e3 * x:.6g} mm" for key, x in lengths.items()),
+            f"restitution: {eta.text()}  # one for both sides",
+        )
+    return (
+        "kind: parameters  # one eta for both sides",
+        "sides:",
+        *(
+            f"  - {{side: {side}, p: {p:.6g}, alpha: {alpha:.6g}, lambda:"
+            f" {math.tan(alpha):.6g}, a_scale: 1, eta: {eta.value:.4f}}}"
+            for side, alpha, p in zip(_SIDES, motion.alpha, motion.p, strict=True)
+        ),
+    )

@@ -18,20 +18,17 @@ from ...errors import ArgumentError, DocumentError, UsageError, did_you_mean
 from ...structures import read_documents
 from ...structures.inline import inline_document
 
-TIME = ("t", "time")
 IMPACT = "impact"
-_RATES = {f"{unit}/s": factor for unit, factor in UNITS["angle"].items()}
-QUANTITIES = {
-    "theta": UNITS["angle"],
-    "theta_dot": _RATES,
-    "displacement": UNITS["length"],
-    "uplift": UNITS["length"],
-    "acceleration": UNITS["acceleration"],
-    IMPACT: UNITS["time"],
+DIMENSIONS = {  # of each quantity
+    "theta": "angle",
+    "theta_dot": "angular velocity",
+    "displacement": "length",
+    "uplift": "length",
+    "acceleration": "acceleration",
+    IMPACT: "time",
 }
-"""The units of each quantity, with their factors to SI."""
+_RATES = {f"{unit}/s": factor for unit, factor in UNITS["angle"].items()}
 _KIND = re.compile(r"^[^#\n]*\bkind\"?\s*[:,;\t]", re.MULTILINE)  # of a document
-_LARGEST = 0.5 * math.pi  # rad
 
 
 @dataclass(frozen=True)
@@ -69,10 +66,10 @@ class Trace:
 
     def __post_init__(self) -> None:
         t, y = (np.asarray(x, float) for x in (self.t, self.y))
-        if self.quantity not in QUANTITIES:
+        if self.quantity not in DIMENSIONS:
             raise ArgumentError(
                 f"{self.name}: found the quantity {self.quantity!r}; expected"
-                f" {', '.join(QUANTITIES)}"
+                f" {', '.join(DIMENSIONS)}"
             )
         if y.shape != (t.shape if self.quantity != IMPACT else (0,)) or t.ndim != 1:
             raise ArgumentError(
@@ -81,20 +78,27 @@ class Trace:
             )
         if not (np.isfinite(t).all() and np.isfinite(y).all()):
             raise ArgumentError(f"{self.name}: found NaN or infinity; expected numbers")
-        late = np.flatnonzero(np.diff(t) <= 0.0)
-        if late.size:
-            raise ArgumentError(
-                f"{self.name}: the time does not grow at sample {late[0] + 2}:"
-                f" {t[late[0]]:g} s is followed by {t[late[0] + 1]:g} s"
-            )
+        fault = DocumentError if len(self.lines) else ArgumentError
         lines = self.lines if len(self.lines) else np.arange(1, t.size + 1)
+        for at in np.flatnonzero(np.diff(t) <= 0.0)[:1]:
+            raise fault(
+                f"{self.name}:{lines[at + 1]}: found the time {t[at + 1]:g} s behind"
+                f" {t[at]:g} s; expected times that grow"
+            )
+        large = np.abs(y) > 0.5 * math.pi if self.quantity == "theta" else ()
+        for at in np.flatnonzero(large)[:1]:
+            raise fault(
+                f"{self.name}:{lines[at]}: found a rotation of {y[at]:.4g} rad;"
+                " expected less than a right angle: state the unit in the heading,"
+                " such as theta [deg]"
+            )
         for name, value in (("t", t), ("y", y), ("lines", lines)):
             object.__setattr__(self, name, value)
 
 
 def read_trace(path: str | Path, column: str | None = None) -> Trace:
     """Return the trace of a file: a table whose first column is the time `t [s]`, and a
-    second one of QUANTITIES with its unit; or one column, `impact [s]`. column: name of
+    second one of DIMENSIONS with its unit; or one column, `impact [s]`. column: name of
     the column of several. Raises UsageError, DocumentError.
     """
     return _trace_of(read_table(path), column)
@@ -115,93 +119,63 @@ def trace_or_documents(given: str, column: str | None) -> Trace | list[Document]
 
 def _trace_of(table: Table, column: str | None) -> Trace:
     """Return the trace of a table. Raises UsageError, DocumentError."""
-    names = [split_heading(heading) for heading in table.headings]
-    at, quantity, factor = _measured(table, names, column)
-    if quantity == IMPACT:
-        columns = _numbers(table, [at])
-        times, readings = factor * columns[:, 0], np.empty(0)
-    else:
-        clock = _factor(table, 0, names[0], UNITS["time"])
-        columns = _numbers(table, [0, at])
-        times, readings = clock * columns[:, 0], factor * columns[:, 1]
-    lines = np.array([line for line, _ in table.rows])
-    late = np.flatnonzero(np.diff(times) <= 0.0)
-    if late.size:
-        before, after = table.rows[late[0]][1][0], table.rows[late[0] + 1][1][0]
-        raise DocumentError(
-            f"{table.place(int(lines[late[0] + 1]))}: found the time {after} behind"
-            f" {before}; expected times that grow"
+    names = [split_heading(heading)[0] for heading in table.headings]
+    wanted = DIMENSIONS if column is None else (column,)
+    found = [
+        i
+        for i, two in enumerate(zip(names, table.headings, strict=True))
+        if not set(two).isdisjoint(wanted)
+    ]
+    if column is not None and not found:
+        raise UsageError(
+            f"{table.source}: `column`: found {column!r}; the columns are"
+            f" {', '.join(names)}{did_you_mean(column, names)}"
         )
-    if quantity == "theta" and np.max(np.abs(readings), initial=0.0) > _LARGEST:
-        worst = int(np.argmax(np.abs(readings)))
-        raise DocumentError(
-            f"{table.place(int(lines[worst]), at)}: found a rotation of"
-            f" {readings[worst]:.4g} rad; expected less than a right angle: state the"
-            " unit in the heading, such as theta [deg]"
-        )
-    return Trace(Path(table.source).name, quantity, times, readings, lines)
-
-
-def _measured(
-    table: Table, names: list[tuple[str, str]], column: str | None
-) -> tuple[int, str, float]:
-    """Return (index, quantity, factor to SI) of the column that was measured."""
-    known = ", ".join(
-        f"{name} [{'|'.join(list(units)[:2])}]" for name, units in QUANTITIES.items()
-    )
-    found = [i for i, (name, _) in enumerate(names) if name in QUANTITIES]
-    if column is not None:
-        found = [
-            i
-            for i, (name, _) in enumerate(names)
-            if column in (name, table.headings[i])
-        ]
-        if not found:
-            words = [name for name, _ in names]
-            raise UsageError(
-                f"{table.source}: `column`: found {column!r}; the columns are"
-                f" {', '.join(words)}{did_you_mean(column, words)}"
-            )
     if len(found) > 1:
         raise UsageError(
             f"{table.source}: found {', '.join(table.headings[i] for i in found)};"
             " `column` chooses one"
         )
-    name = names[found[0]][0] if found else ""
-    timed = name == IMPACT or (names[:1] and names[0][0] in TIME)
-    if name not in QUANTITIES or not timed or (name != IMPACT and not found[0]):
+    quantity = names[found[0]] if found else ""
+    timed = names[:1] in (["t"], ["time"]) and found[:1] != [0]
+    if quantity not in DIMENSIONS or not (timed or quantity == IMPACT):
+        known = ", ".join(
+            f"{name} [{'|'.join(list(_units(name))[:2])}]" for name in DIMENSIONS
+        )
         raise DocumentError(
             f"{table.place(table.line)}: found the columns"
             f" {', '.join(table.headings) or 'none'}; expected t [s] first, then one of"
             f" {known}; or a structure document"
         )
-    return found[0], name, _factor(table, found[0], names[found[0]], QUANTITIES[name])
+    times = _column(table, found[0] if quantity == IMPACT else 0, IMPACT)
+    y = np.empty(0) if quantity == IMPACT else _column(table, found[0], quantity)
+    lines = np.array([line for line, _ in table.rows])
+    return Trace(Path(table.source).name, quantity, times, y, lines)
 
 
-def _factor(
-    table: Table, at: int, heading: tuple[str, str], units: dict[str, float]
-) -> float:
-    """Return the factor to SI of a column; without a unit it is in SI."""
-    name, unit = heading
+def _units(quantity: str) -> dict[str, float]:
+    """Return the units of a quantity, with their factors to SI."""
+    return UNITS.get(DIMENSIONS[quantity], _RATES)
+
+
+def _column(table: Table, at: int, quantity: str) -> Array:
+    """Return the numbers of a column [SI]; without a unit it is in SI. Raises
+    DocumentError.
+    """
+    (name, unit), units = split_heading(table.headings[at]), _units(quantity)
     if unit and unit not in units:
         raise DocumentError(
             f"{table.place(table.line, at)}: found {name} in {unit!r}; expected"
             f" {', '.join(units)}"
         )
-    return units[unit] if unit else 1.0
-
-
-def _numbers(table: Table, columns: list[int]) -> Array:
-    """Return the numbers of these columns, (rows, columns). Raises DocumentError."""
-    found = np.empty((len(table.rows), len(columns)))
-    for i, (line, cells) in enumerate(table.full_rows()):
-        for j, at in enumerate(columns):
-            try:
-                found[i, j] = float(cells[at])
-            except ValueError:
-                found[i, j] = math.nan
-            if not math.isfinite(found[i, j]):
-                raise DocumentError(
-                    f"{table.place(line, at)}: found {cells[at]!r}; expected a number"
-                )
-    return found
+    found = []
+    for line, cells in table.full_rows():
+        try:
+            found.append(float(cells[at]))
+        except ValueError:
+            found.append(math.nan)
+        if not math.isfinite(found[-1]):
+            raise DocumentError(
+                f"{table.place(line, at)}: found {cells[at]!r}; expected a number"
+            )
+    return np.array(found) * units.get(unit, 1.0)
