@@ -12,7 +12,7 @@ import re
 import shlex
 import subprocess
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from datetime import date
@@ -167,41 +167,62 @@ def installation() -> dict[str, str]:
 
 _PAGE = """<!DOCTYPE html>
 <html lang="en"><head><meta charset="utf-8"><title>Verification of rocking</title>
+<meta name="viewport" content="width=device-width, initial-scale=1">
 <style>
 @page {{ size: A4 landscape; margin: 15mm }}
 body {{ font: 11px/1.4 sans-serif; margin: 2em auto; max-width: 80em; padding: 0 1em }}
 table {{ border-collapse: collapse; width: 100%; margin: 1em 0 }}
 td, th {{ text-align: left; vertical-align: top; padding: .25em .6em;
-  border-bottom: 1px solid #ccc; overflow-wrap: anywhere }}
+  border-bottom: 1px solid #ccc }}
 .no {{ background: #fbb }}
+.wide {{ overflow-x: auto }}
+tr {{ break-inside: avoid }}
+h2 {{ break-before: page }}
 .sign {{ margin-top: 4em; border-top: 1px solid; width: 20em; padding-top: .3em }}
 </style></head><body>
 <h1>Verification of rocking</h1>
 <p>{verdict}</p>
 <table>{about}</table>
-<table><tr><th>case</th><th>key</th><th>expected</th><th>within</th><th>computed</th>
-<th>passed</th><th>equation</th><th>source</th><th>command, with the inputs of its
-folder</th></tr>
-{rows}</table>
+<p>The program answers for rigid bodies, and mechanisms of them, that rock on a rigid
+base in one plane. Each row below names the equation that is computed and the command
+that computes it again, in the folder of its case. The help page `defects` lists what
+was wrong in earlier versions.</p>
+<div class="wide">{rows}</div>
+<h2>Requirements</h2>
+<p>Each requirement is held by a module, a test of the source and a case above.</p>
+<div class="wide">{requirements}</div>
 <p class="sign">date, signature</p>
 </body></html>
 """
 
 
-def page(found: Sequence[Comparison], about: dict[str, str]) -> str:
+def page(
+    found: Sequence[Comparison],
+    about: dict[str, str],
+    requirements: Sequence[dict[str, str]],
+) -> str:
     """Return the page of a verification in HTML."""
-    rows = []
-    for one in found:
-        mark = "" if one.passed else ' class="no"'
-        cells = "".join(f"<td>{escape(_shown(x))}</td>" for x in one.row().values())
-        rows.append(f"<tr{mark}>{cells}</tr>")
     head = "".join(
         f"<tr><th>{escape(key)}</th><td>{escape(text)}</td></tr>"
         for key, text in about.items()
     )
     return _PAGE.format(
-        verdict=escape(tally_of(found)), about=head, rows="\n".join(rows)
+        verdict=escape(tally_of(found)),
+        about=head,
+        rows=_table([one.row() for one in found]),
+        requirements=_table(requirements),
     )
+
+
+def _table(rows: Sequence[Mapping[str, Any]]) -> str:
+    """Return rows as a table in HTML; one that is not passed is marked."""
+    heads = "".join(f"<th>{escape(key)}</th>" for key in next(iter(rows), {}))
+    lines = [f"<thead><tr>{heads}</tr></thead>"]
+    for row in rows:
+        mark = ' class="no"' if row.get("passed") == "NO" else ""
+        cells = "".join(f"<td>{escape(_shown(x))}</td>" for x in row.values())
+        lines.append(f"<tr{mark}>{cells}</tr>")
+    return "\n".join(["<table>", *lines, "</table>"])
 
 
 def _shown(x: Any) -> str:

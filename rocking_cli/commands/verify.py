@@ -9,7 +9,7 @@ from typing import Any
 
 import click
 
-from .command import command, group, option
+from .command import command, flag, group, option
 from .parameter_types import OutputPath
 from .printing import emit, note, printed
 
@@ -24,6 +24,9 @@ class VerifyOptions:
         type=OutputPath(),
         metavar="FOLDER",
     )
+    trace: bool = flag(
+        "--trace", "Print which test and case holds which requirement; run no case."
+    )
 
 
 @command("rocking verify -o verified", printed)
@@ -34,9 +37,11 @@ def verify(wanted: VerifyOptions = group(VerifyOptions)) -> int:
     closed form, a publication or another program says must come out, each with the
     difference that its source is good for. A row for each number: expected, within,
     computed, passed. The page holds the rows, the version, the digest of the installed
-    files, the platform and the date. The exit code is 1 if a number is not as its
-    source says.
+    files, the platform and the date, and which requirement is held by which equation,
+    module, test and case, as --trace prints it. The exit code is 1 if a number is not
+    as its source says.
     """
+    from .requirements import requirements
     from .shipped_cases import (
         Comparison,
         compared,
@@ -51,10 +56,15 @@ def verify(wanted: VerifyOptions = group(VerifyOptions)) -> int:
         raise click.UsageError(
             f"-o {target}: exists; expected the name of a new folder"
         )
+    cases = shipped_cases()
+    traced = requirements({case.name: case.equation for case in cases})
+    if wanted.trace:
+        emit(traced)
+        return 0
     found: list[Comparison] = []
 
     def rows(folder: Path) -> Iterator[dict[str, Any]]:
-        for one in compared(shipped_cases(), folder):
+        for one in compared(cases, folder):
             found.append(one)
             yield one.row()
 
@@ -63,7 +73,7 @@ def verify(wanted: VerifyOptions = group(VerifyOptions)) -> int:
         folder = Path(temporary) / "cases"
         emit(rows(folder), unseen=_UNSEEN)
         if target is not None:
-            text = page(found, installation())
+            text = page(found, installation(), traced)
             (folder / "page.html").write_text(text, encoding="utf-8")
             folder.rename(target)
     note(tally_of(found))

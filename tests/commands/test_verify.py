@@ -1,5 +1,6 @@
 """The shipped cases: every one comes out, and a wrong input or number is told."""
 
+import json
 import math
 from dataclasses import replace
 
@@ -7,6 +8,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from rocking_cli.commands import requirements as traced
 from rocking_cli.commands import shipped_cases as room
 from rocking_cli.commands.shipped_cases import Comparison, page, shipped_cases
 
@@ -74,10 +76,31 @@ def test_the_command_tells_a_wrong_number_and_keeps_inputs_and_page(
     assert (again.returncode, "exists" in again.stderr) == (2, True)
 
 
+def test_each_requirement_names_a_module_a_test_and_cases_and_each_case_has_one(
+    rocking, tmp_path, monkeypatch
+):
+    equations = {case.name: case.equation for case in CASES}
+    rows = list(traced.marked(traced.TESTS))
+    assert {row["case"] for row in rows} == set(equations)
+    assert len(rows) == len({row["case"] for row in rows})
+    package = traced.TESTS.parent / "rocking_cli"
+    assert all((package / row["module"]).is_file() for row in rows)
+    printed = rocking("verify", "--trace", "--json").records
+    assert printed == traced.requirements(equations)
+    (first, *_) = [row for row in printed if row["case"] == "Block"]
+    assert first["equation"] == equations["Block"]
+    assert first["test"].startswith("tests/structures/kinds/test_rigid_bodies.py::")
+    # an installed package has the rows that were written when it was built
+    (shipped := tmp_path / "requirements.json").write_text(json.dumps(rows))
+    monkeypatch.setattr(traced, "SHIPPED", shipped)
+    monkeypatch.setattr(traced, "TESTS", tmp_path)
+    assert traced.requirements(equations) == printed
+
+
 def test_a_number_that_is_missing_is_not_passed():
     missing = Comparison(CASES[0], "p", 1.0, 1e9, None)
     assert not missing.passed
-    assert 'class="no"' in page([missing], {})
+    assert 'class="no"' in page([missing], {}, [])
 
 
 def falls_by_dop853(p, alpha, eta, omega, amplitude):
@@ -120,6 +143,12 @@ def falls_by_dop853(p, alpha, eta, omega, amplitude):
     return False
 
 
+@pytest.mark.requirement(
+    "Thresholds of the nonlinear equation are those of another solver",
+    "dynamics/equations/rigid_body.py",
+    "Cosine, p = 2 rad/s",
+    "Cosine, p = 1 rad/s",
+)
 @pytest.mark.parametrize(
     ("block", "threshold"), [(PEER_2, 0.315030), (PEER_1, 0.530715)]
 )

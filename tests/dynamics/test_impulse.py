@@ -138,6 +138,11 @@ def test_lemma_9_nothing_to_come_overturns_what_is_below_the_bound(motion):
     assert set(outcome.tolist()) == {Outcome.ROCKED}
 
 
+@pytest.mark.requirement(
+    "A short push overturns by its velocity",
+    "dynamics/impulse_bound.py",
+    "Block overthrown by a velocity",
+)
 def test_just_above_the_bound_short_pulses_overturn():
     omega, below, outcome = landed(sine(0.5), 1000, 7, 1.001)
     assert not np.any(below)

@@ -38,6 +38,11 @@ def record(factor=1.0):
     return with_vertical(one.motion, one.motion, factor)
 
 
+@pytest.mark.requirement(
+    "A body whose friction is below lambda slides by Newmark's displacement",
+    "dynamics/sliding.py",
+    "Block that slides under a constant push",
+)
 @pytest.mark.parametrize(("a", "duration", "mu"), [(0.4, 0.5, 0.2), (0.6, 0.25, 0.3)])
 def test_a_rectangular_pulse_has_newmarks_displacement(a, duration, mu):
     speed = a * G * duration

@@ -17,6 +17,12 @@ from rocking_cli import (
 from rocking_cli.envelopes.closed_form import no_impact_amplitude, peak_after_impact
 
 
+@pytest.mark.requirement(
+    "Lowest overturning amplitudes of the linear oscillator have a closed form",
+    "envelopes/intervals.py",
+    "Envelope of a linear block under one sine cycle",
+    "Envelope under a rectangular pulse",
+)
 @pytest.mark.parametrize(
     "eta",
     [0.5, 0.9, *(pytest.param(eta, marks=pytest.mark.soak) for eta in (0.7, 1.0))],
@@ -43,6 +49,11 @@ def test_traced_and_closed_form_agree_to_1e_10(eta):
     assert compared > 15
 
 
+@pytest.mark.requirement(
+    "Under half a sine they follow from one equation in the frequency",
+    "envelopes/closed_form.py",
+    "Envelope under half a sine",
+)
 def test_half_sine_closed_form():
     omegas = np.array([1.0, 3.0, 5.0])
     traced = [

@@ -29,6 +29,17 @@ from rocking_cli.envelopes.intervals import misjudged
 from rocking_cli.reports.remarks import misjudged_in_words
 
 
+@pytest.mark.requirement(
+    "Thresholds under a pulse are those of the literature, by either equation",
+    "envelopes/intervals.py",
+    "Sine, linear, after an impact",
+    "The same, upper end",
+    "The same, without an impact",
+    "Sine of 15.7 rad/s, linear",
+    "Sine of 15.7 rad/s, nonlinear",
+    "Half sine, 0.4 x 1.2 m",
+    "Sine, 1 x 3 m",
+)
 @pytest.mark.parametrize(
     ("structure", "model", "rows"),
     [
@@ -93,6 +104,12 @@ def test_a_max_must_make_sense(a_max):
         trace_envelope(dimensionless_oscillator(eta=0.9), sine(), [2.0], a_max=a_max)
 
 
+@pytest.mark.requirement(
+    "A column falls where discrete elements do",
+    "envelopes/capacity.py",
+    "Column under a rectangular impulse of 0.4 s",
+    "Column under a rectangular impulse of 0.8 s",
+)
 def test_a_column_against_discrete_elements():
     # Multi-drum column 1.11/0.90 m wide and 5.95 m high under the rectangular impulse:
     # collapse on a raster of 0.01 g by UDEC, LMGC90 and HybriDFEM, at t_p = 0.4, 0.5,

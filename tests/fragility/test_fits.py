@@ -33,6 +33,11 @@ def likeliest(loss):
     return np.exp(found.x)
 
 
+@pytest.mark.requirement(
+    "A fragility curve is the most likely lognormal of the counts",
+    "fragility/fits.py",
+    "Fragility of counts",
+)
 @pytest.mark.parametrize(
     ("x", "n", "z", "theta", "beta"),
     [

@@ -59,6 +59,11 @@ def by_quadrature(theta, beta, hazard):
     return total
 
 
+@pytest.mark.requirement(
+    "The annual rate is the integral of the curve over the hazard",
+    "fragility/hazard.py",
+    "Annual rate with a straight hazard curve",
+)
 def test_a_straight_hazard_curve_has_a_closed_form():
     """theta 0.43, beta 0.35, k 2.5, k0 5e-5 give 6.0472e-4 a year, k0 theta^-k exp(k^2
     beta^2/2) (Cornell 1996).

@@ -14,6 +14,11 @@ from rocking_cli.motions.intensity import intensity
 from rocking_cli.motions.records import read_record
 
 
+@pytest.mark.requirement(
+    "Measures of a record are integrals of its straight lines",
+    "motions/intensity_measures.py",
+    "Measures of a record",
+)
 def test_a_triangle_exactly():
     """a rises from 0 to 3 m/s2 in 2 s and falls back in 2 s: v = 6 m/s and d = 12 m at
     the end, the integral of a^2 is 12 m2/s3.

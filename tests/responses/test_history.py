@@ -129,6 +129,11 @@ def test_the_history_of_an_arch_comes_to_what_the_engine_says(motion):
     assert rocked == 2
 
 
+@pytest.mark.requirement(
+    "Between impacts energy is kept, and each impact multiplies the speed by eta",
+    "dynamics/contacts/contact.py",
+    "Free rocking of a block released at 0.8 alpha",
+)
 @every_model
 def test_impacts_lose_speed_and_rest_is_the_end(model):
     found = history(model, sine(), 1.6, 5.0, 0.6, duration=200.0)

@@ -184,6 +184,11 @@ def test_the_first_yield_is_met_when_the_reference_says():
     ]
 
 
+@pytest.mark.requirement(
+    "A tie holds with its prestress and its stiffness",
+    "structures/restraints.py",
+    "Block held by a tie of constant force",
+)
 def test_the_prestress_holds_the_wall_at_a_fifth_of_g():
     _, found = marched(WALL + YIELDING, OUTWARDS, 0.2, 0.8)
     assert found.outcome[0] == Outcome.NO_UPLIFT

@@ -16,6 +16,12 @@ from rocking_cli.structures.kinds.arch import ring_of
 OPPENHEIM = "kind: arch\nradius: 10\nthickness: 1.5\nangle: 157.5 deg\n"
 
 
+@pytest.mark.requirement(
+    "An arch rocks as the mechanism of the least lambda",
+    "structures/mechanics/hinges.py",
+    "Oppenheim's arch of seven voussoirs",
+    "The same arch, hinges anywhere",
+)
 def test_oppenheims_seven_voussoirs_have_the_reference_values():
     # lambda and hinges as published by Oppenheim (1992); the others evaluated
     # independently, to the digits given.
@@ -80,6 +86,12 @@ def test_given_hinges_say_what_governs():
     assert a.details["lambda_governing"] == pytest.approx(0.353384, abs=1e-6)
 
 
+@pytest.mark.requirement(
+    "An arch that cannot carry itself is refused",
+    "structures/kinds/arch.py",
+    "Semicircular arch that just stands",
+    "Semicircular arch that does not",
+)
 @pytest.mark.parametrize(
     ("beta", "eta"),
     [(300, ""), (180, "restitution: 0.5"), (149.336, "restitution: 0.5")],

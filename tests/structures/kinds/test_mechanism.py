@@ -47,6 +47,11 @@ def numbers(structure):
     ]
 
 
+@pytest.mark.requirement(
+    "A mechanism of several bodies has the lambda of virtual work",
+    "structures/mechanics/planar_mechanism.py",
+    "Mass on two struts",
+)
 def test_the_shipped_documents(pytestconfig):
     # an independent program, 2026: alpha, p, lambda, a_scale, eta
     wall, portal = load_structures(

@@ -97,6 +97,15 @@ CLOSED_FORMS = [
 ]
 
 
+@pytest.mark.requirement(
+    "p, alpha, eta and lambda of a rigid body follow from its mass, centre and inertia",
+    "structures/mechanics/single_body.py",
+    "Block",
+    "Chimney of 1857",
+    "Thin conical spire",
+    "Cylindrical drum",
+    "Statue",
+)
 @pytest.mark.parametrize(("text", "wanted", "tolerance"), CLOSED_FORMS)
 def test_closed_forms_and_published_values(text, wanted, tolerance):
     found = built(text)
@@ -105,6 +114,11 @@ def test_closed_forms_and_published_values(text, wanted, tolerance):
     )
 
 
+@pytest.mark.requirement(
+    "A rocking frame is one block of a larger R",
+    "structures/kinds/frame.py",
+    "Columns and a cap",
+)
 @given(st.floats(0, 5), st.floats(0.05, 0.4), st.integers(1, 40))
 def test_a_frame_is_makris_and_vassilious(gamma, slenderness, columns):
     # Makris and Vassiliou, Earthquake Engng Struct. Dyn. 42 (2013) 691-707: p_hat and

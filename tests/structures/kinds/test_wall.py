@@ -110,6 +110,12 @@ PULSES = [
 ]
 
 
+@pytest.mark.requirement(
+    "A wall between two floors cracks at the height of the least lambda",
+    "structures/kinds/wall.py",
+    "Wall between two floors",
+    "The same as a mechanism of two bodies, cracked at 2 m",
+)
 @pytest.mark.parametrize("case", CASES)
 def test_the_parameters_are_those_of_an_independent_program(case):
     document, wanted = CASES[case]
