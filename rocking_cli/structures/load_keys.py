@@ -8,6 +8,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from ..errors import DocumentError
+from .mechanics import plane
 from .mechanics.assembly import (
     GROUND,
     Assembly,
@@ -229,13 +230,9 @@ def top_of(drawing: Sketch) -> Top | None:
     """Return the flat top of a body on two edges, None without one. Far from the edge
     on which it stands is the corner that rises.
     """
-    points = [point for outline in drawing.bodies for point in outline]
-    highest, lowest = max(z for _, z in points), min(z for _, z in points)
-    level = [x for x, z in points if highest - z <= 1e-9 * (highest - lowest)]
-    far = min(level), max(level)
-    if not far[1] - far[0] > 1e-9 * (highest - lowest):
-        return None
-    return Top(far, highest)
+    top = plane.top_of([point for outline in drawing.bodies for point in outline])
+    far = min(x for x, _ in top), max(x for x, _ in top)
+    return Top(far, max(z for _, z in top)) if far[1] > far[0] else None
 
 
 def drawn_with_loads(

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 
 from ...documents.document import Document
 from ...documents.keys import Key, Keys, length
-from ..mechanics.plane import crosses_itself, polygon_moments
+from ..mechanics.plane import crosses_itself, polygon_moments, top_of
 from ..mechanics.single_body import RigidBody
 from ..mechanics.toe import foot_of
 from ..shared_keys import DENSITY
@@ -50,11 +50,10 @@ def body(document: Document) -> RigidBody:
         (middle + x, lowest + z),
     )
     foot, details = foot_of(document, right - left, moments.mass)
-    highest = max(z for _, z in placed)
     return RigidBody(
         moments=moments,
         half=half,
-        top=min(corner for corner in placed if highest - corner[1] <= tolerance),
+        top=min(top_of(placed)),
         limit="a section more slender than this one",
         drawing=drawing,
         foot=foot,

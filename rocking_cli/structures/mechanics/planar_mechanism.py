@@ -24,6 +24,7 @@ from .linkage import Linkage
 from .mechanism_remarks import remarks_on
 from .mechanism_search import mirrored_joints, searched_joints, with_coordinate
 from .mechanism_side import MechanismSide
+from .plane import top_arms
 
 _EQUAL = 1e-10  # relative difference of numbers of two sides that are equal
 _SHARES = np.array([0.0, 0.3, 0.7, 1.0, 1.2])  # of alpha, where the sides are compared
@@ -245,13 +246,11 @@ class PlanarMechanism:
         """
         linkage = self.right.linkage
         bodies = [linkage.assembly.body(name) for name in linkage.links[1]]
-        points = [p for body in bodies for p in body.outline]
-        highest = max((z for _, z in points), default=0.0)
-        top = [p for p in points if highest - p[1] <= 1e-9 * linkage.assembly.size]
-        hinges = [
-            side.linkage.hinges[0].at for side in (self.left or self.right, self.right)
-        ]
-        return tuple(max(math.dist(at, p) for p in top) for at in hinges if top)
+        sides = self.left or self.right, self.right
+        return top_arms(
+            [p for body in bodies for p in body.outline],
+            (side.linkage.hinges[0].at for side in sides),
+        )
 
 
 def find_mechanism(

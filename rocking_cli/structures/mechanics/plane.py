@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from itertools import combinations, pairwise
 
 from .moments import Moments, Point
@@ -79,3 +79,20 @@ def distance_to(line: Line, point: Point) -> float:
     dx, dz, px, pz = bx - ax, bz - az, point[0] - ax, point[1] - az
     share = min(1.0, max(0.0, (px * dx + pz * dz) / (dx * dx + dz * dz)))
     return math.hypot(px - share * dx, pz - share * dz)
+
+
+def top_of(points: Sequence[Point]) -> list[Point]:
+    """Return the points of the highest level, none of none."""
+    if not points:
+        return []
+    levels = [z for _, z in points]
+    near = 1e-9 * (max(levels) - min(levels))
+    return [point for point in points if max(levels) - point[1] <= near]
+
+
+def top_arms(points: Sequence[Point], pivots: Iterable[Point]) -> tuple[float, ...]:
+    """Return the distance of each pivot from the farthest point of the top [m], none
+    without a top.
+    """
+    top = top_of(points)
+    return tuple(max(math.dist(at, p) for p in top) for at in pivots if top)

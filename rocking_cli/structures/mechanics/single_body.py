@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
+from itertools import chain
 from typing import Any
 
 from ...documents.document import Document
@@ -26,6 +27,7 @@ from ..shared_keys import (
 )
 from ..sketch import Sketch, rectangle, redrawn, rocker
 from .moments import Edge, Moments, Point, edges_of
+from .plane import top_arms
 from .toe import Foot, toe_of
 
 SIDES = ("left", "right")
@@ -102,7 +104,11 @@ class RigidBody:
             "structure": str(document.values["kind"].content),
             "gravity": gravity,
             "details": self._details(document, inset, body),
-            "top": body._top_arms(),
+            # of a geometry that has a top
+            "top": top_arms(
+                list(chain(*body.drawing.bodies)) if body.top is not None else [],
+                (pivot for _, pivot in body.drawing.pivots),
+            ),
             "document": document,
         }
         if document.has("strength"):
@@ -224,23 +230,6 @@ class RigidBody:
 
             return drawn_with_loads(document, drawing, built)
         return built.restraints.drawn(drawing) if built.restraints else drawing
-
-    def _top_arms(self) -> tuple[float, ...]:
-        """The distances from the left and the right edge to the farthest point of the
-        top [m]; empty if the geometry defines no top.
-        """
-        points = (
-            [point for outline in self.drawing.bodies for point in outline]
-            if self.top is not None
-            else []
-        )
-        highest = max((z for _, z in points), default=0.0)
-        top = [point for point in points if highest - point[1] <= 1e-9 * highest]
-        return tuple(
-            max(math.dist(pivot, point) for point in top)
-            for _, pivot in self.drawing.pivots
-            if top
-        )
 
 
 def rectangle_body(width: float, height: float, **more: Any) -> RigidBody:
