@@ -62,7 +62,7 @@ class CodeOptions:
         "--fc", "Confidence factor of --code (default 1).", type=NUMBER
     )
 
-    def rows(self, verdict_only: bool) -> CodeRows | None:
+    def rows(self, verdict_only: bool, sort: str | None = None) -> CodeRows | None:
         """Return the checks by the code, None without --code. Raises UsageError."""
         unknown = "needs the capacities, which --verdict-only does not search"
         if verdict_only:
@@ -73,7 +73,7 @@ class CodeOptions:
             return CodeRows(self.spectrum, self.floor, self.fc)
         refuse("goes with --code", "spectrum", "floor", "fc")
         if verdict_only:
-            refuse(unknown, "sort", "output")
+            refuse(unknown, "output", *["sort"] * (sort == "capacity"))
         return None
 
 
@@ -88,7 +88,12 @@ class CheckOptions:
     )
     inset_effect: bool = options.inset_effect()
     vary: tuple[str, ...] = options.vary()
-    sort: str | None = options.sort()
+    skip_faulty: bool = options.skip_faulty()
+    sort: str | None = option(
+        "--sort",
+        "capacity: the least first, structures that never overturn last; or a column.",
+        metavar="capacity|COLUMN",
+    )
     fail_on: str | None = option(
         "--fail-on",
         "Exit code 5 if a structure, or one of its draws, falls or loses contact, in"
@@ -148,7 +153,7 @@ def check(
     if drawn.draws is not None:
         require_spreads(stated.structures)
     most_slide = _slide_limit(wanted.fail_on, stated, drawn)
-    by_code = of_code.rows(wanted.verdict_only)
+    by_code = of_code.rows(wanted.verdict_only, wanted.sort)
     if by_code is not None and asked.building:
         from ..motions.buildings import parse_building
 
@@ -269,7 +274,8 @@ def _judge_and_print(
         demands.rows,
         strict=True,
     )
-    if wanted.sort is not None:
+    by_capacity = wanted.sort == "capacity"
+    if by_capacity:
         from ..reports.wording import capacity_left
 
         found = sorted(found, key=lambda one: capacity_left(one[0]))
@@ -295,6 +301,7 @@ def _judge_and_print(
         unseen=unseen_columns(known, chain.from_iterable(demands.varied.values())),
         above=("motion", "demand_a", *ASKED),
         varied=demands.varied,
+        sort=None if by_capacity else wanted.sort,
     )
     return judged
 

@@ -22,7 +22,7 @@ _LATER = """
 --size --style --title --author --place --summary --xlim --ylim --align --body --log
 --periods --damping --building --column --dt --over --floor --cycles --gamma --phase
 --component --unit --motion-dt --skip --as-it-stands --scale --scale-to --vertical-scale
---a-max --verdict-only --fail-on --export --method
+--a-max --verdict-only --fail-on --export --method --where --skip-faulty --by
 """.split()  # noqa: SIM905
 
 

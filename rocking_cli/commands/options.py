@@ -8,17 +8,17 @@ import os
 import re
 import shlex
 import sys
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
 from ..errors import DocumentError
-from .command import argument, flag, option, partly, refuse
+from .command import argument, flag, given, option, partly, refuse
 from .parameter_types import (
     InputPath,
     OutputPath,
@@ -37,6 +37,7 @@ if TYPE_CHECKING:
     from ..structures import RockingParameters
     from ..structures.family import Member
 
+T = TypeVar("T")
 FIGURES = (".png", ".svg", ".pdf")
 _REMARKS = 3  # printed at most
 
@@ -88,6 +89,11 @@ inset_effect = partial(
     flag,
     "--inset-effect",
     "Print what pivots 5 % of the width inside the edges would take of the capacity.",
+)
+skip_faulty = partial(
+    flag,
+    "--skip-faulty",
+    "Leave out, and tell, rows of a table that hold a fault (exit code 4).",
 )
 sort = partial(
     option,
@@ -222,7 +228,7 @@ def structures_of(
     documents = [] if etas and not files else documents_of(files, each=each)
     if None in etas:
         raise click.UsageError("--eta block goes with --alpha")
-    structures = [build_structure(document) for document in documents]
+    structures = list(sound(build_structure, documents))
     oscillators = [dimensionless_oscillator(eta=eta) for eta in etas if eta is not None]
     found = list(introduced(with_distinct_names([*structures, *oscillators])))
     note_interfaces(found)
@@ -246,7 +252,7 @@ def members_of(
     from ..structures.family import family, members, parse_variation
     from ..structures.parameters import VARIED
 
-    refuse("does not go with --vary", "etas")
+    refuse("does not go with --vary", "etas", "skip_faulty")
     documents = documents_of(files)
     variations = [parse_variation(text) for text in vary]
     members(variations)
@@ -306,11 +312,32 @@ def documents_of(
         raise click.UsageError(
             f"found {len(found)} structures; expected at most {most} for {place}"
         )
-    return (
-        [one for document in found for one in on_each_interface(document)]
-        if each
-        else found
-    )
+    if not each:
+        return found
+    return [one for several in sound(on_each_interface, found) for one in several]
+
+
+def sound(make: Callable[[Any], T], documents: Iterable[Any]) -> Iterator[T]:
+    """Yield what `make` returns for each document. With --skip-faulty one that holds a
+    fault is left out and told. Raises DocumentError.
+    """
+    for document in documents:
+        try:
+            made = make(document)
+        except DocumentError as fault:
+            _left_out(fault)
+            continue
+        yield made
+
+
+def _left_out(fault: DocumentError) -> None:
+    """Tell the fault of a structure that --skip-faulty leaves out; raise it without
+    this option.
+    """
+    if not given("skip_faulty"):
+        raise fault
+    partly()
+    note(f"left out: {fault}")
 
 
 def each_document(files: tuple[str, ...]) -> Iterator[Any]:
@@ -328,8 +355,9 @@ def each_document(files: tuple[str, ...]) -> Iterator[Any]:
         raise click.UsageError(
             f"no structure: give FILE (- for standard input){instead}"
         )
+    faulty = _left_out if given("skip_faulty") else None
     for path in files:
-        yield from documents_in(path)
+        yield from documents_in(path, faulty)
 
 
 def introduced(

@@ -36,6 +36,7 @@ SHARED = {
 def params(
     files: tuple[str, ...] = options.files(),
     vary: tuple[str, ...] = options.vary(),
+    skip_faulty: bool = options.skip_faulty(),
     linear_uplift: str = equations.linear_uplift(),
     details: bool = flag(
         "--details",
@@ -45,6 +46,9 @@ def params(
         "--over",
         "The axis of a family (default: the first key varied).",
         metavar="KEY[/KEY]",
+    ),
+    sort: str | None = option(
+        "--sort", "Print the rows in the order of a column.", metavar="COLUMN"
     ),
     drawn: Draws = group(Draws),
     figure: options.FigureFile = group(options.FigureFile),
@@ -64,6 +68,8 @@ def params(
     figure.check()
     if not vary:
         refuse("goes with --vary, whose family it draws", "output")
+    else:
+        refuse("does not go with --vary", "skip_faulty")
     if figure.output is None:
         refuse("goes with -o FIGURE", "over")
     if drawn.draws:
@@ -78,13 +84,14 @@ def params(
         rows = _structure_rows(files, linear_uplift, early, details)
         # a fault of the last document comes before the first row; a CSV waits for its
         # header anyway
-        _print(rows if form() == "csv" else list(rows))
+        _print(rows if form() == "csv" else list(rows), sort)
         detail(*early)
         return
     documents = options.documents_of(files)
     variations += _unvaried(over, variations, documents)
     members: list[dict[str, Any]] = []  # as the CSV has them
-    _print(_family_rows(documents, variations, linear_uplift, members, details))
+    rows = _family_rows(documents, variations, linear_uplift, members, details)
+    _print(rows, sort)
     figure.draw(members, over)
 
 
@@ -128,7 +135,8 @@ def _structure_rows(
     from ..structures.parameters import OTHERS
 
     shown = form()
-    built = with_distinct_names(map(build_structure, options.each_document(files)))
+    documents = options.each_document(files)
+    built = with_distinct_names(options.sound(build_structure, documents))
     lifting = (equations.lifted(structure, uplift) for structure in built)
     for s in options.introduced(lifting):
         row = s.row()
@@ -172,16 +180,16 @@ def _family_rows(
                 yield from _rows(structure.row(), form(), details, member.shown)
 
 
-def _print(rows: Iterable[dict[str, Any]]) -> None:
+def _print(rows: Iterable[dict[str, Any]], sort: str | None) -> None:
     """Print rows; the header of a CSV has the columns of all of them."""
     from ..reports.tables import flat
 
     if form() != "csv":
-        emit(rows)
+        emit(rows, sort=sort)
         return
     flattened = [flat(row) for row in rows]
     columns = dict.fromkeys(chain.from_iterable(flattened))
-    emit(columns | row for row in flattened)
+    emit((columns | row for row in flattened), sort=sort)
 
 
 def _rows(

@@ -17,6 +17,7 @@ from . import streams
 from .command import F
 
 if TYPE_CHECKING:
+    from ..reports.conditions import Condition
     from ..reports.units import Units
     from ..structures import RockingParameters
 
@@ -116,6 +117,12 @@ _columns = _of_call(
     metavar="all|NAME,…",
     help="Columns to print, or all (default: JSON and CSV all, a table what decides).",
 )
+_where = _of_call(
+    "--where",
+    multiple=True,
+    metavar="CONDITION",
+    help="Print these rows only, such as 'capacity_demand < 1.5'; repeatable.",
+)
 _digits = _of_call(
     "--digits",
     type=click.IntRange(1, 17),
@@ -130,7 +137,7 @@ def quiet(command: F) -> F:
 
 def printed(command: F) -> F:
     """Decorator: the options of rows on standard output, and of the lines."""
-    return _json(_csv(_format(_columns(_digits(units(quiet(command)))))))
+    return _json(_csv(_format(_columns(_where(_digits(units(quiet(command))))))))
 
 
 def is_quiet() -> bool:
@@ -226,6 +233,59 @@ def require_columns(known: Iterable[str]) -> None:
     for name in chosen_columns():
         if name not in names:
             raise unknown_column(name, names)
+    for one in _conditions():
+        if one.column not in names:
+            raise unknown_column(one.column, names, "where")
+
+
+def _conditions() -> "list[Condition]":
+    """Return the conditions of --where. Raises UsageError."""
+    if not (stated := _kept("where")):
+        return []
+    from ..reports.conditions import parse_condition
+
+    return [parse_condition(text) for text in stated]
+
+
+def _asked(
+    rows: Iterable[Mapping[str, Any]], sort: str | None
+) -> Iterable[Mapping[str, Any]]:
+    """Return the rows of --where, in the order of the column `sort`; labels count as
+    columns. Raises UsageError for a name that neither the first row nor
+    `require_columns` has.
+    """
+    from ..reports.tables import unknown_column
+
+    conditions = _conditions()
+    if not conditions and sort is None:
+        return rows
+
+    def cell(row: Mapping[str, Any], name: str) -> Any:
+        for key in row:
+            if key.partition(" [")[0] == name:
+                return row[key]
+        labels: Mapping[str, Mapping[str, str]] = _kept("labels") or {}
+        own = labels.get(str(row.get("structure", row.get("name"))), {})
+        return own.get(name.removeprefix("label_"))
+
+    def kept() -> Iterator[Mapping[str, Any]]:
+        for i, row in enumerate(rows):
+            if i == 0:
+                known = {key.partition(" [")[0]: None for key in row}
+                known |= _kept("known_columns") or {}
+                known |= dict.fromkeys(_kept("label_names") or ())
+                named = [("where", one.column) for one in conditions]
+                for option, name in [*named, ("sort", sort or "")]:
+                    if name and name not in known:
+                        raise unknown_column(name, known, option)
+            if all(one.holds(cell(row, one.column)) for one in conditions):
+                yield row
+
+    if sort is None:
+        return kept()
+    from ..reports.conditions import in_order
+
+    return in_order(kept(), lambda row: cell(row, sort))
 
 
 def _selected(
@@ -256,6 +316,7 @@ def emit(
     unseen: Sequence[str] = (),
     above: Sequence[str] = (),
     varied: Mapping[str, Mapping[str, Any]] | None = None,
+    sort: str | None = None,
 ) -> None:
     """Print rows: JSON, CSV and long tables each as soon as it is computed, a table at
     the end.
@@ -265,7 +326,8 @@ def emit(
     of columns that have another one here than elsewhere, None without a unit; unseen:
     columns that a table has only if --columns names them; above: columns that stand
     above a table if they are the same in all rows; varied: for each structure the
-    columns of its varied values, which come first.
+    columns of its varied values, which come first; sort: the column in whose order the
+    rows are, None for that in which they come.
     """
     from ..reports.tables import lines
 
@@ -275,6 +337,7 @@ def emit(
     chosen, every = chosen_columns(), asks_columns()
     if varied:
         rows = ({**varied.get(str(row.get("structure")), {}), **row} for row in rows)
+    rows = _asked(rows, sort)
     if unseen and form is None and not every:
         hidden = set(unseen)
         rows = ({k: x for k, x in row.items() if k not in hidden} for row in rows)

@@ -13,19 +13,20 @@ from .composition import DEEPEST, MOST_VALUES, Place, Value, unspaced
 from .document import Document
 from .files import read_bytes
 from .quantities import with_a_point
-from .table import ITEM, Cell, rows_of_structures, text_of_row
+from .table import ITEM, Cell, Faulty, rows_of_structures, text_of_row
 from .texts import text_of
 
 if TYPE_CHECKING:
     import yaml
 
 
-def documents_in(path: str | Path) -> Iterator[Document]:
+def documents_in(path: str | Path, faulty: Faulty | None = None) -> Iterator[Document]:
     """Yield the documents of a YAML, JSON or CSV file one by one; `-` is standard
-    input. Raises UsageError (no such file) or DocumentError.
+    input; faulty: as of `each_document`. Raises UsageError (no such file) or
+    DocumentError.
     """
     source, raw = read_bytes(path)
-    return each_document(text_of(source, raw), source)
+    return each_document(text_of(source, raw), source, faulty)
 
 
 def documents_of(source: str, raw: bytes) -> list[Document]:
@@ -62,12 +63,18 @@ def parse_documents(text: str, source: str = "<text>") -> list[Document]:
     return list(each_document(text, source))
 
 
-def each_document(text: str, source: str) -> Iterator[Document]:
+def each_document(
+    text: str, source: str, faulty: Faulty | None = None
+) -> Iterator[Document]:
     """Yield the documents of a text one by one, so that a caller who drops them holds
-    one row of a table. Raises DocumentError, as `parse_documents` does.
+    one row of a table. faulty: called with the fault of each row of a table that is
+    left out; without it the first one is raised. Raises DocumentError, as
+    `parse_documents` does.
     """
-    rows = rows_of_structures(text, source)
-    documents = _of_nodes(text, source) if rows is None else _of_rows(rows, source)
+    rows = rows_of_structures(text, source, faulty)
+    documents = (
+        _of_nodes(text, source) if rows is None else _of_rows(rows, source, faulty)
+    )
     if (first := next(documents, None)) is None:
         raise DocumentError(
             f"{Place(source, 1, 1)}: empty; expected a structure document, such as"
@@ -85,10 +92,18 @@ def _of_nodes(text: str, source: str) -> Iterator[Document]:
         yield _document(node, source, i)
 
 
-def _of_rows(rows: Iterable[list[Cell]], source: str) -> Iterator[Document]:
+def _of_rows(
+    rows: Iterable[list[Cell]], source: str, faulty: Faulty | None
+) -> Iterator[Document]:
     """Yield the documents of a table, whose other columns may be labels."""
     for i, cells in enumerate(rows):
-        document = document_of(cells, source, i)
+        try:
+            document = document_of(cells, source, i)
+        except DocumentError as fault:
+            if faulty is None:
+                raise
+            faulty(fault)
+            continue
         document.cells = tuple(cells)
         yield document
 

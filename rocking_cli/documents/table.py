@@ -14,7 +14,7 @@ import csv
 import io
 import json
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from pathlib import Path
@@ -58,6 +58,10 @@ _DECIMAL_COMMA = re.compile(r"[+-]?\d*,\d+(?:[eE][+-]?\d+)?(?:\s*[^\s\d,.].*)?")
 _DECIMAL_POINT = re.compile(r"[+-]?\d*\.\d+(?:[eE][+-]?\d+)?\s*([^\s\d,.].*)?")
 # 1.234 and 1,234 may also be a thousand and some
 _GROUPED = re.compile(r"[+-]?[1-9]\d{0,2}[.,]\d{3}(?!\d).*")
+
+
+# called with the fault of a row of a table of structures that is left out
+Faulty = Callable[[DocumentError], None]
 
 
 class Cell(NamedTuple):
@@ -322,9 +326,12 @@ def named_rows(path: str | Path) -> tuple[list[str], list[tuple[int, dict[str, s
     return [key for key, _ in columns], rows
 
 
-def rows_of_structures(text: str, source: str) -> Iterator[list[Cell]] | None:
-    """Return the rows of a table of structures, None for a text that is no table.
-    Raises DocumentError without a column `kind`, or with lines above the heading.
+def rows_of_structures(
+    text: str, source: str, faulty: Faulty | None = None
+) -> Iterator[list[Cell]] | None:
+    """Return the rows of a table of structures, None for a text that is no table;
+    faulty: as of `rows_of`. Raises DocumentError without a column `kind`, or with lines
+    above the heading.
     """
     start, separator = _heading_of(text)
     lines = _TWO_LINES.match(text, start)
@@ -334,7 +341,9 @@ def rows_of_structures(text: str, source: str) -> Iterator[list[Cell]] | None:
     names = _names(first, separator)
     if len(names) > 1 and KIND in names:
         cells = _fields(second, separator)
-        return None if separator == BLANKS and len(cells) < 2 else rows_of(text, source)
+        if separator == BLANKS and len(cells) < 2:
+            return None
+        return rows_of(text, source, faulty)
     _require_the_heading_first(text, start, source)
     if (
         len(names) > 1
@@ -392,9 +401,12 @@ def _fields(line: str, separator: str) -> list[str]:
     return line.split() if separator == BLANKS else line.split(separator)
 
 
-def rows_of(text: str, source: str) -> Iterator[list[Cell]]:
-    """Yield the non-empty cells of each row of a table of structures. Raises
-    DocumentError.
+def rows_of(
+    text: str, source: str, faulty: Faulty | None = None
+) -> Iterator[list[Cell]]:
+    """Yield the non-empty cells of each row of a table of structures. A row with more
+    cells than the heading is left out and told to `faulty`, without which it raises
+    DocumentError. Raises DocumentError.
     """
     if len(text) > _LONGEST:
         raise DocumentError(
@@ -404,7 +416,11 @@ def rows_of(text: str, source: str) -> Iterator[list[Cell]]:
     columns = columns_of(table)
     for (line, cells), written in zip(table.rows, table.written, strict=True):
         if len(cells) > len(columns):
-            raise table.uneven(line, cells)
+            fault = table.uneven(line, cells)
+            if faulty is None:
+                raise fault
+            faulty(fault)
+            continue
         yield [
             Cell(key, with_unit(cell, unit), table.place(line, i), as_written, unit)
             for i, (cell, as_written, (key, unit)) in enumerate(

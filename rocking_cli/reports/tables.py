@@ -259,11 +259,13 @@ def _in_latex(text: str) -> str:
     return "".join(_LATEX.get(mark, mark) for mark in text)
 
 
-def unknown_column(name: str, known: Collection[str]) -> UsageError:
-    """Return the error for a name that is not among the columns."""
+def unknown_column(
+    name: str, known: Collection[str], option: str = "columns"
+) -> UsageError:
+    """Return the error for a name, stated by this option, that is no column."""
     meant = did_you_mean(name, known)
     expected = f"expected names among {', '.join(known)}"
-    return UsageError(f"`columns`: found {name!r}{meant}; {expected}")
+    return UsageError(f"`{option}`: found {name!r}{meant}; {expected}")
 
 
 def _headings(body: Sequence[Row], chosen: Sequence[str]) -> list[str]:

@@ -20,6 +20,7 @@ from .sizes import size_remarks
 
 if TYPE_CHECKING:
     from ..documents.document import Document
+    from ..documents.table import Faulty
 
 
 def build_structure(document: Document) -> RockingParameters:
@@ -135,8 +136,10 @@ def read_documents(path: str | Path) -> list[Document]:
     return list(documents_in(path))
 
 
-def documents_in(path: str | Path) -> Iterator[Document]:
-    """Yield the documents of a file one by one, as `read_documents` returns them."""
+def documents_in(path: str | Path, faulty: Faulty | None = None) -> Iterator[Document]:
+    """Yield the documents of a file one by one, as `read_documents` returns them;
+    faulty: called with the fault of each row of a table that is left out.
+    """
     from ..documents import parsing
     from ..documents.files import is_document_text
 
@@ -147,7 +150,7 @@ def documents_in(path: str | Path) -> Iterator[Document]:
         from .inline import inline_document
 
         stated = inline_document(str(path))
-    return parsing.documents_in(path) if stated is None else iter([stated])
+    return parsing.documents_in(path, faulty) if stated is None else iter([stated])
 
 
 def on_each_interface(document: Document) -> list[Document]:

@@ -268,3 +268,30 @@ def test_the_work_on_a_table_grows_with_its_rows(rocking):
     lines(2)  # imports
     few, more, most = (lines(rows) for rows in (50, 150, 350))
     assert most - more == pytest.approx(2 * (more - few), rel=0.02)
+
+
+@pytest.mark.parametrize("command", ["params", "check"])
+def test_rows_with_faults_are_told_and_left_out_and_some_rows_are_printed(
+    rocking, tmp_path, command
+):
+    table = tmp_path / "table.csv"
+    table.write_text(
+        "kind,name,room,width,height\nblock,A,1,0.5,2\nblock,B,2,x,2\nblock,C,2,1,2\n"
+        "block,D,2,1,2,3\nblok,E,2,1,2\nblock,F,3,0.4,2\n"
+    )
+    demand = ["--a-g", "0.3g", "--f-g", "2", "--verdict-only"] * (command == "check")
+    call = [command, str(table), *demand, "--json"]
+    stopped = rocking(*call)
+    assert (stopped.returncode, stopped.stdout) == (3, "")
+    found = rocking(*call, "--skip-faulty")
+    name = "structure" if command == "check" else "name"
+    assert found.returncode == 4
+    assert [row[name] for row in found.records] == ["A", "C", "F"]
+    told = [line for line in found.stderr.splitlines() if "left out: " in line]
+    places = [line.partition("table.csv:")[2].partition(":")[0] for line in told]
+    assert sorted(places) == ["3", "5", "6"]
+    some = rocking(*call, "--skip-faulty", "--where", "room != 2", "--sort", name)
+    assert [row[name] for row in some.records] == ["A", "F"]
+    refused = rocking(*call, "--skip-faulty", "--where", "rom = 2")
+    assert refused.returncode == 2
+    assert "--where: found 'rom'" in refused.stderr
