@@ -87,8 +87,13 @@ def fragility(
         )
         return
 
+    again = _standing_again(found)
+    if wanted.by is not None:
+        from ..fragility.study import of_classes
+
+        found, again = of_classes(found, wanted.by), []
     for study in found:
-        if study.drawn is not None:
+        if study.drawn is not None and not study.drawn.of_class:
             made = study.drawn.made
             left_out = int(made.size - made.sum())
             note_left_out(study.structure.name, left_out, made.size, study.drawn.fault)
@@ -104,7 +109,7 @@ def fragility(
         *refused,
         *remarks,
         *direction_in_words(*request.structures),
-        *_standing_again(found),
+        *again,
     )
     detail(
         *model.in_words([request.motions.method], request.structures),
@@ -137,6 +142,10 @@ def _requested(
         refuse("does not go with --draws", "exact", "cells", "efficiency")
         if wanted.figure is None:
             refuse("does not go with --draws", "output")
+    if wanted.by is not None:
+        refuse("does not go with --by", "exact", "cells", "efficiency", "draws")
+        if wanted.methods_of_fits() != ["stripes"]:
+            raise click.UsageError("--by goes with --method stripes")
     _refuse_contradictions(shaken, wanted)
     measure = measure_of(wanted.im)
     hazard = (
@@ -155,7 +164,9 @@ def _requested(
     else:
         _check_output(wanted, shaken, sweep)
     settings = SweepOptions(history=options.command_line(), **sweep.writing(texts))
-    exact = wanted.exact or (hazard is not None and None in states)
+    exact = wanted.exact or (
+        hazard is not None and None in states and wanted.by is None
+    )
     motion_set = MotionSet(members, measure, levels, equation)
     return _Request(structures, motion_set, states, methods, hazard, exact, settings)
 

@@ -96,6 +96,11 @@ class FragilityOptions:
         "Write -o for this program: NRML (.xml), or CSV and JSON (.csv).",
         type=click.Choice(["openquake", "pelicun"]),
     )
+    by: str | None = option(
+        "--by",
+        "A curve for each value of this label of a table, of all its structures.",
+        metavar="COLUMN",
+    )
     samples: int = option(
         "--bootstrap",
         "Samples for the bands; 0: no bands.",

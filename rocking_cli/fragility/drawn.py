@@ -20,15 +20,16 @@ from .measures import MotionMember
 
 @dataclass(frozen=True, eq=False)
 class DrawnExposure:
-    """Responses of the draws of one structure to each motion of a set, scaled to each
-    level of the intensity measure.
+    """Responses of the draws of one structure, or of the structures of a class, to each
+    motion of a set, scaled to each level of the intensity measure.
     """
 
     # max |theta|/alpha, NaN where it falls [-], (members, levels, n)
     theta_ratio: Array
     outcome: Array  # codes of `Outcome`, (members, levels, n)
     made: Array  # True for draws that make a structure, (members, n)
-    fault: str | None  # why the first of the others makes none
+    fault: str | None = None  # why the first of the others makes none
+    of_class: bool = False  # True for the structures of a class
 
     def counts(self, limit: float | None) -> tuple[Array, Array]:
         """Return the shares of the draws that are known, and that are known and beyond

@@ -106,7 +106,8 @@ class Study:
         }
         curve, estimate, points = of_method[method](limit)
         alone = None
-        if self.drawn is not None:  # the motions alone, at the means
+        if self.drawn is not None and not self.drawn.of_class:
+            # the motions alone, at the means
             alone = self._stripes(self.exposure, limit)[0].beta
         x, rates = drawn_at(self.motions.levels, self.hazard)
         band = (
@@ -454,6 +455,39 @@ def studies(
             )
             drawn = drawn_exposure(s, motions, *draws, line(label, "motions"))
         yield Study(s, motions, how, exposure, intervals, recorded, hazard, drawn)
+
+
+def of_classes(studies: Sequence[Study], label: str) -> list[Study]:
+    """Return a study of each class of structures, those with one value of a label,
+    under its name; its shares are means over its structures. Raises UsageError if no
+    structure has the label.
+    """
+    known = dict.fromkeys(key for one in studies for key in one.structure.labels)
+    if label not in known:
+        raise UsageError(
+            f"`by`: found {label!r}{did_you_mean(label, known)}; expected a column of"
+            f" the table that is no key: {', '.join(known) or 'it has none'}"
+        )
+    classes: dict[str, list[Study]] = {}
+    for one in studies:
+        value = str(one.structure.labels.get(label, ""))
+        classes.setdefault(value or f"no {label}", []).append(one)
+    return [_of_class(name, own) for name, own in classes.items()]
+
+
+def _of_class(name: str, studies: Sequence[Study]) -> Study:
+    """Return the study of a class; the structure that lifts first stands for it."""
+    theta_ratio, outcome = (
+        np.stack([getattr(one.exposure, key) for one in studies], axis=2)
+        for key in ("theta_ratio", "outcome")
+    )
+    made = np.ones((outcome.shape[0], len(studies)), dtype=bool)
+    first = min(studies, key=lambda one: one.no_damage)
+    return replace(
+        first,
+        structure=replace(first.structure, name=name),
+        drawn=DrawnExposure(theta_ratio, outcome, made, of_class=True),
+    )
 
 
 def fitted(

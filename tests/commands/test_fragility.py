@@ -566,3 +566,21 @@ def test_every_measure_of_an_efficiency_has_its_median_and_its_unit(rocking, uni
         assert float(row["median"]) * factors.get(unit, 1.0) == pytest.approx(
             in_si[im], rel=1e-14
         )
+
+
+def test_the_structures_of_a_class_have_one_curve(rocking, tmp_path):
+    (tmp_path / "t.csv").write_text(
+        "kind,name,stone,width,height\n"
+        "block,A,tuff,0.5,2\nblock,B,marble,0.5,2\nblock,C,marble,0.56,2\n"
+    )
+    call = ("fragility", "t.csv", *SITE, "--limit", "0.5", "--model", "linear")
+    a, b, c = rocking(*call, "--json").records
+    tuff, marble = rocking(*call, "--by", "stone", "--json").records
+    assert (tuff["structure"], marble["structure"]) == ("tuff", "marble")
+    assert [tuff[key] for key in ("median", "beta", "beta_high")] == [
+        a[key] for key in ("median", "beta", "beta_high")
+    ]
+    assert b["median"] < marble["median"] < c["median"]
+    refused = rocking(*call, "--by", "stane")
+    assert (refused.returncode, refused.stdout) == (2, "")
+    assert "--by: found 'stane' (did you mean 'stone'?)" in refused.stderr
