@@ -316,4 +316,6 @@ def _form(x: Any) -> Hashable:
         return tuple((name, _form(one)) for name, one in x.items())
     if isinstance(x, tuple):
         return tuple(map(_form, x))
+    if isinstance(x, float):
+        return ()
     return None if x is None else np.shape(x)

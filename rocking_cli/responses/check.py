@@ -242,8 +242,8 @@ def _judged(
 
     found, searched, free = Capacity(None, None, None), None, None
     if a_max is None:
-        least = method.system_of(structure).least_uplift(motion)
-        found = replace(found, uplift=least if math.isfinite(least) else None)
+        least = answer.uplift if math.isfinite(answer.uplift) else None
+        found = Capacity(None, None, least)
     else:
         found = search.capacity(begun, lambda share: done(_SEARCHED * share))
         searched = least_acceleration(structure, search.ends()[1])

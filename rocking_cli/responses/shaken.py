@@ -47,6 +47,7 @@ class Shaken(NamedTuple):
     codes: np.ndarray  # codes of `Outcome` at these, by the governing equation
     theta_ratio: np.ndarray  # largest |theta|/alpha at these [-], NaN where it falls
     linear: Outcome  # by the linear equation, under the demand
+    uplift: float  # least amplitude that lifts the body [-], infinite if none does
 
     @property
     def outcome(self) -> Outcome:
@@ -86,7 +87,8 @@ def answer_of(search: CapacitySearch) -> Shaken:
     found = respond(search.method, body, motion, shifted, omega)
     linear = respond(LINEAR, body, motion, shifted[:1], omega)
     of_linear = Outcome(int(linear.outcome[0]))
-    return Shaken(search, shifted, found.outcome, found.theta_ratio, of_linear)
+    uplift = search.method.system_of(body).least_uplift(motion)
+    return Shaken(search, shifted, found.outcome, found.theta_ratio, of_linear, uplift)
 
 
 def answers_together(searches: Sequence[CapacitySearch]) -> list[Shaken]:
@@ -112,7 +114,10 @@ def answers_together(searches: Sequence[CapacitySearch]) -> list[Shaken]:
         codes, turned = codes.reshape(shifted.shape), turned.reshape(shifted.shape)
         for n, i in enumerate(at):
             of_linear = Outcome(int(linear[n]))
-            found[i] = Shaken(own[n], shifted[n], codes[n], turned[n], of_linear)
+            uplift = march.systems[n].least_uplift(motion)
+            found[i] = Shaken(
+                own[n], shifted[n], codes[n], turned[n], of_linear, uplift
+            )
     return [one for one in found if one is not None]
 
 

@@ -83,7 +83,10 @@ class RigidBodyEquation(Equation):
         self._by_cell = isinstance(alpha, np.ndarray)
         # number of cells if each has two edges, otherwise 0
         self._two_edged = np.size(alpha) // 2 if np.ndim(alpha) == 2 else 0
-        kinds, which = np.unique(np.ravel(alpha), return_inverse=True)
+        kinds = np.ravel(alpha)
+        which = np.arange(kinds.size)
+        if kinds.size > 2:  # not the edges of one body
+            kinds, which = np.unique(kinds, return_inverse=True)
         numbers = [_numbers(x) | {"damping": damping} for x in kinds.tolist()]
         # Of the cells, or of the right edge and the left; of all right edges first.
         if not numbers:
