@@ -412,8 +412,8 @@ REFUSED = {
             f"{COLUMN} --freq 1",
             "rocking response: No such option --freq (did you mean '--f-g'?) (see",
         ),
-        # near in letters alone: --workers, --release
-        (2, f"{COLUMN} --where 1", "rocking response: No such option --where (see"),
+        # near in letters alone: --release
+        (2, f"{COLUMN} --relief 1", "rocking response: No such option --relief (see"),
         (
             2,
             f"{COLUMN} --a-g 0.3 g --f-g 1",
