@@ -149,13 +149,12 @@ class Scene(ABC):
     @property
     def cells(self) -> int:
         """Cells of the result."""
-        first, second, third = self.shape
-        return first * second * third
+        return math.prod(self.shape)
 
     @property
+    @abstractmethod
     def weighed(self) -> bool:
         """True if the ground also moves vertically, so that the weight varies."""
-        return False
 
     @property
     def mixed(self) -> bool:

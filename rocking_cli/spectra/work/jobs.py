@@ -66,11 +66,8 @@ class Job:
     @cached_property
     def runs(self) -> dict[Any, RockingParameters]:
         """A structure for each run of the engine that the scene needs."""
-        return {self._key(s): s for s in self.scene.structures}
-
-    def _key(self, structure: RockingParameters) -> Hashable:
-        """Return a key: one run computes structures of equal keys under a motion."""
-        return self.scene.system_of(structure).march_key(self.scene.mixed)
+        scene = self.scene
+        return {scene.system_of(s).march_key(scene.mixed): s for s in scene.structures}
 
     @cached_property
     def one_by_one(self) -> bool:
@@ -107,15 +104,19 @@ class Job:
         if not isinstance(item, list):
             return reference(self.scene, item)
         parts = [list(self.scene.cells_of(unit)) for unit in item]
-        runs: dict[Hashable, list[SceneCells]] = {}
+        runs: dict[tuple[int | None, Hashable], list[SceneCells]] = {}
         for cells in chain.from_iterable(parts):
             if friction_that_slides(cells.structure) is None:
-                motion = None if self._chains(cells) else id(cells.motion)
-                key = motion, self._key(cells.structure)
+                system = self.scene.system_of(cells.structure)
+                chained = self.shares_records and can_share_records(
+                    system, cells.motion
+                )
+                motion = None if chained else id(cells.motion)
+                key = motion, system.march_key(self.scene.mixed)
                 runs.setdefault(key, []).append(cells)
         work, found = Work(), dict[int, CellValues]()
-        for run in runs.values():
-            blocks, own = self._computed(run)
+        for (motion, _), run in runs.items():
+            blocks, own = self._computed(run, chained=motion is None)
             found |= zip(map(id, run), blocks, strict=True)
             work += own
         reports = []
@@ -129,20 +130,19 @@ class Job:
             work = Work()  # the first unit reports that of all
         return reports
 
-    def _chains(self, cells: SceneCells) -> bool:
-        """True if cells under other records share their run."""
-        system = self.scene.system_of(cells.structure)
-        return self.shares_records and can_share_records(system, cells.motion)
-
-    def _computed(self, run: Sequence[SceneCells]) -> tuple[list[CellValues], Work]:
-        """Return (the variables of all cells of a run, the work)."""
+    def _computed(
+        self, run: Sequence[SceneCells], chained: bool
+    ) -> tuple[list[CellValues], Work]:
+        """Return (the variables of all cells of a run, the work); chained: True if they
+        may be under several records.
+        """
         shaking = (
             np.concatenate([cells.amplitude for cells in run]),
             np.concatenate([cells.omega for cells in run]),
         )
         system, motion = self._system(run, self.scene.system_of), run[0].motion
         rate = None
-        if self._chains(run[0]):
+        if chained:
             got, rate = _under_records(run, system, *shaking)
         elif "velocity_ratio" in self.quantities:
             got, rate = response_with_speed(system, motion, *shaking)
