@@ -43,6 +43,7 @@ APART, LOOKED_AT = (
     1e-8,
     2,
 )  # rotations that differ by more are looked at, so many a scene
+OUTCOMES = 12  # outcomes that differ and are looked at, so many a scene
 # rows of Omega and eta of a scene; more of them make a scene of more cells
 ROWS = int(os.environ.get("COMPARED_ROWS", "12"))
 # scenes of tied bodies, and of stocky ones, have numbers from here on
@@ -396,7 +397,9 @@ def main() -> None:
         same = codes == code
         apart = differing(codes, code, ratios, ratio)
         some = np.flatnonzero(apart & same)
-        for i in [*np.flatnonzero(apart & ~same), *some[:LOOKED_AT]]:
+        others = np.flatnonzero(apart & ~same)
+        listed["outcome, not looked at"] += max(0, others.size - OUTCOMES)
+        for i in [*others[:OUTCOMES], *some[:LOOKED_AT]]:
             found = int(codes[i]), float(ratios[i])
             arrays = int(code[i]), float(ratio[i])
             word, told = explained(
