@@ -8,7 +8,6 @@ import doctest
 import inspect
 import re
 import sys
-from importlib import import_module
 from pathlib import Path
 
 import numpy as np
@@ -398,67 +397,6 @@ def test_without_xarray_one_sentence_says_so(monkeypatch):
         parse_grid("A=2")
 
 
-RENAMED = [
-    *(
-        (name, "record", "row")
-        for name in (
-            "Verdict",
-            "CodeCheck",
-            "Boundary",
-            "Fit",
-            "Rate",
-            "RockingParameters",
-            "Summary",
-        )
-    ),
-    ("TimeHistory", "records", "rows"),
-    ("RockingParameters", "from_record", "from_row"),
-    ("Verdict", "name", "structure"),
-    ("Verdict", "friction", "friction_needed"),
-    ("Verdict", "dust", "share_of_falls"),
-    ("Spectrum", "beside", "quantities"),
-    ("Summary", "otherwise", "differing"),
-    ("Summary", "elsewhere", "machine_differences"),
-    ("Merged", "there", "chunks"),
-    ("Merged", "whole", "all_chunks"),
-    ("Merged", "elsewhere", "machine_differences"),
-    ("Motion", "peak", "largest"),
-    ("SpectrumFile", "peak", "pga"),
-    ("Curve", "theta", "median"),
-    ("Band", "theta_low", "median_low"),
-    ("Band", "theta_high", "median_high"),
-    ("Work", "chatters_closed", "sequences_closed"),
-]
-HOMES = {
-    "Band": "fragility.bootstrap",
-    "Work": "dynamics.outcome",
-}  # of those that are not public
-
-
 def names_of(kind):
     """Return the attributes and fields of a class."""
     return {*dir(kind), *getattr(kind, "__dataclass_fields__", {})}
-
-
-@pytest.mark.parametrize(("kind", "old", "new"), RENAMED)
-def test_old_names_are_gone_and_the_changes_say_what_replaces_them(kind, old, new):
-    home = import_module(f"rocking_cli.{HOMES[kind]}") if kind in HOMES else rocking_cli
-    names = names_of(getattr(home, kind))
-    assert new in names
-    assert old not in names
-    changes = Path(rocking_cli.__file__).with_name("commands") / "pages" / "changes.txt"
-    assert any(
-        line.split()[-2:] == [old, new] for line in changes.read_text().splitlines()
-    )
-
-
-def test_old_columns_are_gone():
-    block = load_structures("configs/block.yaml")[0]
-    verdict = rocking_cli.check(
-        block, sine(), parse_grid("a_g=0.35g,f_g=1.5"), a_max=None
-    )
-    assert not {"name", "friction"} & verdict.row().keys()
-    summary = spectrum(
-        [block], sine(), parse_grid("A=1:3:3,Omega=2:4:2"), workers=1
-    ).summary.row()
-    assert not {"chatters_closed", "elsewhere", "otherwise_cells"} & summary.keys()

@@ -61,17 +61,11 @@ _MEANT = {
     "--freq": "--f-g",
     "--frequency": "--f-g",
     "--period": "--T-g",
+    "--phase": "--phase-portrait",
+    "--check": "--verify-cells",
     "--record": "--motion",
     "--xlsx": "--csv",
     "--excel": "--csv",
-}
-# options that another command uses for something else; the old name stays for one
-# version
-RENAMED = {
-    ("plot", "--phase"): "--phase-portrait",
-    ("predict", "--exact"): "--beyond-range",
-    ("response", "--dt"): "--row-step",
-    ("spectrum", "--check"): "--verify-cells",
 }
 _NUMBER = re.compile(r"[-+]?[0-9.]+(?:e[-+]?[0-9]+)?")
 COMMANDS = {
@@ -106,7 +100,6 @@ class _Commands(click.Group):
             )
         name, command, rest = super().resolve_command(ctx, args)
         _refuse_apart(rest)
-        rest = _renamed(name, rest)
         if command is not None and not ctx.resilient_parsing:
             _refuse_repetitions(click.Context(command, ctx, name), rest)
         return name, command, rest
@@ -132,26 +125,6 @@ class _Commands(click.Group):
                         for name, summary in commands.items()
                     ]
                 )
-
-
-def _renamed(command: str | None, arguments: list[str]) -> list[str]:
-    """Return the arguments of a command with the new names of its options,
-    and say so.
-    """
-    known = {old: new for (name, old), new in RENAMED.items() if name == command}
-    end = arguments.index("--") if "--" in arguments else len(arguments)
-    found = []
-    for argument in arguments[:end]:
-        old, equals, value = argument.partition("=")
-        if old in known:
-            if not {"-q", "--quiet"} & set(arguments):
-                streams.say(
-                    f"{old} of rocking {command} is now called {known[old]}; the old"
-                    " name goes with the next version"
-                )
-            argument = f"{known[old]}{equals}{value}"
-        found.append(argument)
-    return [*found, *arguments[end:]]
 
 
 def _refuse_apart(arguments: Sequence[str]) -> None:

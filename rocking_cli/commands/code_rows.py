@@ -14,6 +14,7 @@ from ..reports.figures.capacities import code_demand_in_words, draw_capacity_cur
 from ..reports.wording import verified_in_words
 from ..responses.check import Demand
 from ..responses.code_check import (
+    CODE_COLUMNS,
     SLC,
     SLV,
     CodeCheck,
@@ -99,6 +100,8 @@ class CodeRows:
         emit(
             ({**_head(one), **one.row()} for one in found),
             table_units="g,mm,deg",
+            unseen=CODE_COLUMNS[6:],
+            above=("motion", "demand_a"),
             varied=varied,
         )
         if output is not None:

@@ -12,6 +12,7 @@ from .parameter_types import Registered
 TOPICS = {
     "documents": "Structure documents: every kind and every key.",
     "base": "Sliding, crushing toes, floors of buildings: keys, limits, figures.",
+    "isolation": "Base isolation: a floor with one mode.",
     "spreads": "Numbers with a spread, draws, shares and their intervals.",
     "ties": "Ties, tendons and dampers of rigid bodies: keys, forces, columns.",
     "motions": "Pulses, motion documents and records as motions.",
@@ -19,10 +20,8 @@ TOPICS = {
     "output": "Streams, tables, JSON and CSV, exit codes, completion.",
     "python": "The Python functions of each command.",
     "code": "A check by the Italian code: columns, formulas, demand, limits.",
-    "validation": "Tests, programs and closed forms that results were compared with.",
     "defects": "Wrong verdicts and numbers of earlier commits, and when they ended.",
     "words": "The words of commands, columns and files, each with one meaning.",
-    "changes": "Stable interfaces, and changes by version.",
 }
 
 _LISTS = "KEYS OF EACH KIND"  # the place of the lists that the tables of keys give

@@ -56,6 +56,11 @@ class PlotOptions:
         "--phase-portrait",
         "Draw the phase portrait of a response, with the separatrix.",
     )
+    data: str | None = option(
+        "--data",
+        "A measured rotation over a response: CSV of t [s] and theta [deg].",
+        type=InputPath(),
+    )
     align: bool = flag(
         "--align", "Count the time of each response from its largest rotation."
     )
@@ -158,7 +163,7 @@ def _refuse_contradictions(files: tuple[Path, ...], wanted: PlotOptions) -> None
             )
     if is_spectra_file(file):
         refuse("goes with CSV, of a family (--vary)", "over")
-        refuse("goes with CSV, of a response", "phase", "align", "animate")
+        refuse("goes with CSV, of a response", "phase", "align", "animate", "data")
         refuse_together("structure", "every", "cut")
     else:
         refuse("goes with a spectra file (.h5)", "structure", "every", "cut")
@@ -215,6 +220,7 @@ def _draw(
         "portrait": wanted.phase,
         "body": document,
         "align": wanted.align,
+        "data": wanted.data,
     }
     return draw(
         files,

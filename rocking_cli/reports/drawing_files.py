@@ -40,7 +40,7 @@ from .figures.fragility_curves import (
     overturning_spectra,
     two_measures,
 )
-from .figures.histories import response, response_axes
+from .figures.histories import measured, response, response_axes
 from .figures.maps import outcome_map
 from .figures.phase import phase
 from .figures.records import elastic_spectra, traces
@@ -85,6 +85,7 @@ def draw(
     portrait: bool = False,
     body: Document | None = None,
     align: bool = False,
+    data: str | Path | None = None,
     overwrite: bool = True,
     tell: Callable[[str], None] | None = None,
 ) -> str | Axes | None:
@@ -124,6 +125,8 @@ def draw(
         the structure of its separatrix, None for the block with its p and alpha
     align
         True: the time of each response counts from its largest rotation
+    data
+        CSV of a measured rotation, as `rocking identify` reads it, over a response
     overwrite
         False: an existing file is an error
     tell
@@ -162,6 +165,12 @@ def draw(
             lines = partial(phase, body=body) if portrait else None
             rows = opened.rows()
             axes = _table(figure, opened.name, rows, shown, over, lines, align, alone)
+            if data is not None:
+                if portrait or align or not _is_response(rows[0]) or "t" not in rows[0]:
+                    raise UsageError("`data` goes with a response over its time")
+                from ..responses.identification.trace import read_trace
+
+                measured(axes[0], read_trace(data), shown)
         else:
             with opened.cells() as file:
                 if cut is not None:

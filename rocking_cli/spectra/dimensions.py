@@ -287,16 +287,6 @@ VARIABLES: dict[str, Variable] = {
         " all steps, carried through arcs and impacts; NaN where no body rocks and"
         " stands",
     ),
-    "friction": _real(
-        "required coefficient of friction",
-        "max over time of abs(Fx)/Fz between impacts; infinite where Fz <= 0, NaN where"
-        " overturned or not computed",
-    ),
-    "fz_min": _real(
-        "least vertical force over weight",
-        "min over time of Fz/(m g) between impacts; NaN where overturned or not"
-        " computed",
-    ),
     "theta_ratio_linear": _real(
         "largest rotation over critical angle by the linear equation"
     ),
@@ -312,8 +302,7 @@ VARIABLES: dict[str, Variable] = {
     ),
 }
 """A file has theta_ratio and outcome, and others on request, in this order; a chunk's
-checksum runs over them in the same order. friction and fz_min stand in files of version
-0.1.0 only.
+checksum runs over them in the same order.
 """
 
 QUANTITIES: dict[str, tuple[str, ...]] = {

@@ -342,8 +342,7 @@ class RockingParameters(Shown):
             Side(side["side"], arm=side.get("arm"), **fields_in(side))
             for side in row.get("sides", ())
         )
-        # files of earlier versions
-        kind = row["structure_kind"] if "structure_kind" in row else row["structure"]
+        kind = row["structure_kind"]
         more = {
             key: row[key]
             for key in ("one_sided", "damping", "friction", "arm")

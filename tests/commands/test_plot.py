@@ -137,3 +137,16 @@ def test_solve_draws_its_scan_its_margin_and_its_boundary(rocking, tmp_path):
     drawn = (tmp_path / "s.svg").read_text()
     for words in ("one cycle of a sine of 0.4 g at 1 Hz", "width [m]", "0.6231"):
         assert f"{words}</text>" in drawn
+
+
+def test_a_measured_rotation_lies_over_a_response(rocking, refused, tmp_path):
+    done = rocking("response", "block:0.5x2", "--release", "0.5", "--csv")
+    (tmp_path / "r.csv").write_text(done.stdout)
+    (tmp_path / "m.csv").write_text("t [s],theta [deg]\n0,1\n0.1,0.5\n0.2,-1\n")
+    rocking("plot", "r.csv", "--data", "m.csv", "-o", "r.svg")
+    assert "m.csv, measured" in (tmp_path / "r.svg").read_text(encoding="utf-8")
+    (tmp_path / "m.csv").write_text("t [s],uplift [mm]\n0,1\n0.1,0.5\n")
+    call = ("plot", "r.csv", "--data", "m.csv", "-o", "u.svg")
+    assert "found uplift; expected the rotation, theta" in refused(2, *call)
+    call = ("plot", "r.csv", "--data", "m.csv", "--align", "-o", "u.svg")
+    assert "--data goes with a response over its time" in refused(2, *call)

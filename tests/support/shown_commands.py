@@ -1,6 +1,7 @@
 """Commands that a text shows, run as a reader would run them.
 
-`python tests/support/shown_commands.py` writes what they print into the README.
+`python tests/support/shown_commands.py` writes what they print into the README and the
+help pages.
 """
 
 import re
@@ -12,6 +13,11 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
 README = ROOT / "README.md"
+PAGES = ROOT / "rocking_cli" / "commands" / "pages"
+# a command of a help page and its output, which is indented further
+SHOWN = re.compile(
+    r"^    (rocking .*)\n(?:\n((?:      .*\n|\n(?=      ))+))?", re.MULTILINE
+)
 BLOCK = re.compile(
     r"```yaml\n# (?P<name>\S+)\n(?P<document>.*?)```"
     r"|```sh\n(?P<commands>.*?)```(?:\n\n```\n(?P<output>.*?)```)?",
@@ -68,6 +74,24 @@ def written(text: str, rocking: Run, folder: Path) -> str:
     return BLOCK.sub(block, text)
 
 
+def page_written(text: str, rocking: Run, folder: Path) -> str:
+    """The help page with the output of its commands that show one as they print it;
+    files that these read are written before.
+    """
+    showing = " ".join(line for line, shown in SHOWN.findall(text) if shown)
+
+    def output(found: re.Match[str]) -> str:
+        line = found[1]
+        _, _, target = line.partition(" > ")
+        if not found[2] and not (target and target in showing):
+            return found[0]
+        printed = shell(rocking, line, folder).splitlines()
+        shown = "".join(f"      {one}".rstrip() + "\n" for one in printed)
+        return f"    {line}\n\n{shown}"
+
+    return SHOWN.sub(output, text)
+
+
 def main() -> None:
     import tempfile
 
@@ -88,6 +112,11 @@ def main() -> None:
                 cwd=folder,
             )
 
+        for page in PAGES.glob("*.txt"):
+            page.write_text(
+                page_written(page.read_text(encoding="utf-8"), rocking, folder),
+                encoding="utf-8",
+            )
         README.write_text(
             in_readme(written(README.read_text(encoding="utf-8"), rocking, folder)),
             encoding="utf-8",

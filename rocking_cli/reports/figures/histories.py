@@ -2,11 +2,12 @@
 
 import re
 from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ...dynamics.outcome import Outcome
+from ...errors import UsageError
 from ..rows import Rows, column, groups
 from ..units import Units
 from .canvas import (
@@ -21,6 +22,9 @@ from .canvas import (
     line_style,
     literal,
 )
+
+if TYPE_CHECKING:
+    from ...responses.identification.trace import Trace
 
 _LEAST = 1e-9  # |theta|/alpha of a body that is off the ground
 _NEAR = 0.3  # of alpha: a response that reaches it is drawn between lines at alpha
@@ -86,6 +90,23 @@ def rotations(
     )
     legend(axes)
     return found
+
+
+def measured(axes: Axes, trace: "Trace", units: Units) -> None:
+    """Draw a measured rotation over a response. Raises UsageError for another
+    quantity.
+    """
+    if trace.quantity != "theta":
+        raise UsageError(
+            f"{trace.name}: found {trace.quantity}; expected the rotation, theta"
+        )
+    _, factor = units.heading("theta")
+    name = literal(f"{trace.name}, measured")
+    axes.plot(trace.t, trace.y / factor, color="0.2", lw=0.8, ls=":", label=name)
+    whole: Any = axes.figure
+    for old in list(whole.legends):  # that of the response alone
+        old.remove()
+    legend(axes)
 
 
 def response_axes(axes: Axes, rows: Rows, units: Units, align: bool = False) -> Axes:

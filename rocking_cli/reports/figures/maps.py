@@ -62,12 +62,6 @@ def outcome_map(axes: Axes, file: SpectraFile, place: int, units: Units) -> list
     ]
     if "difference" in block:
         entries += _differences(axes, x, y, block["difference"])
-    # lines of equal required friction where the body stays upright
-    if "friction" in block and min(shown.shape) > 1:
-        lines = axes.contour(
-            x, y, np.ma.masked_invalid(block["friction"]), colors="0.25", linewidths=0.7
-        )
-        axes.clabel(lines, fmt=lambda level: f"μ = {level:g}", fontsize="x-small")
     if x.size > 1 and y.size > 1:
         axes.set(xlim=(x[0], x[-1]), ylim=(y[0], y[-1]))
     if not file.frame.of_records:

@@ -24,7 +24,7 @@ GZIP_LEVEL = 1  # on these data level 4 takes three times as long and saves 2 %
 
 Packed = Mapping[str, bytes]
 """A chunk: the stored, compressed bytes of each variable, in the order of VARIABLES,
-and its CONDITIONS, empty in files of version 0.1.0.
+and its CONDITIONS.
 """
 
 BOOKKEEPING = "bookkeeping"  # group of CHUNK_TABLES, the variables of each chunk

@@ -118,20 +118,20 @@ class SpectraFile(ExitStack[None]):
         self._log = Log(raw) if self.digest is None else None
         image = raw if self._log is None else io.BytesIO(self._log.image)
         file = self.file = self.enter_context(h5py.File(image, "r"))
-        # files of an earlier version have the tables at the root
-        tables = file.get(BOOKKEEPING, file)
-        names = [
-            name for name in file if name not in CHUNK_TABLES and name != BOOKKEEPING
-        ]
-        stated = [CONDITIONS] if CONDITIONS in tables else []
-        for group, some in ((file, names), (tables, [*CHUNK_TABLES, *stated])):
+        if BOOKKEEPING not in file:
+            raise OutputError(
+                f"{self.path}: was not written by this version; compute it again"
+            )
+        tables = file[BOOKKEEPING]
+        names = [name for name in file if name != BOOKKEEPING]
+        for group, some in ((file, names), (tables, [*CHUNK_TABLES, CONDITIONS])):
             for name in some:
                 own_dataset(group, name)
 
         self._read_scene(file, names)
         self.done = tables["chunk_done"][...] == 1
         self._sums = tables["chunk_checksum"][...]
-        self._conditions = tables.get(CONDITIONS)
+        self._conditions = tables[CONDITIONS]
         if self._log is not None:
             self.machines = _machines(self._log.notes.get("computed_on", []))
             chunks = np.arange(self.chunk_grid.size)

@@ -1,7 +1,6 @@
 """Overturning maps, read back from the figure that would be saved."""
 
 import math
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -16,7 +15,6 @@ from rocking_cli import (
     UsageError,
     closed_form_curves,
     draw,
-    merge,
 )
 from rocking_cli.reports.figures.colours import COLOURS
 from rocking_cli.reports.units import parse_units
@@ -190,19 +188,6 @@ def test_blocks_under_a_record_are_a_map_and_structures_are_lines_over_its_facto
 def test_a_file_without_a_cell_is_refused(drawn, swept):
     with pytest.raises(UsageError, match="holds no computed cell"):
         drawn(swept("--eta", "0.9", "--grid", "A=1:2:3,Omega=1:2:3", "--shard", "2/2"))
-
-
-def test_a_map_with_forces_has_lines_of_equal_friction(drawn, tmp_path):
-    shards = [
-        Path(__file__).parents[2] / f"spectra/file/forces_{i}_of_2_0.1.0.h5"
-        for i in (1, 2)
-    ]  # no sweep stores them any more
-    merge(shards, tmp_path / "whole.h5")
-    with SpectraFile(tmp_path / "whole.h5") as file:
-        friction = file.block(0, slice(None))["friction"]
-    (axes,) = drawn(tmp_path / "whole.h5").axes
-    (contours,) = [c for c in axes.collections if hasattr(c, "levels")]
-    assert np.nanmin(friction) <= contours.levels[-2] <= np.nanmax(friction)
 
 
 def test_a_map_has_closed_forms_and_none_of_a_vertical_motion(drawn, swept):
