@@ -18,9 +18,6 @@ _MOST_LINES = 14  # below the name of the class
 class RowWriter(Protocol):
     """What writes rows: `reports.tables`."""
 
-    def lines(self, rows: Iterable[Mapping[str, Any]], form: str, /) -> Iterator[str]:
-        """Yield the lines of rows in a form, such as "table"."""
-
     def shown_cells(self, row: Mapping[str, Any], /) -> Iterator[tuple[str, str]]:
         """Yield (heading with unit, text) of the columns that have a value."""
 
@@ -42,7 +39,9 @@ class Shown:
         return [self._shown()]
 
     def __repr__(self) -> str:
-        shown = list(WRITERS[0]().lines([self._shown()], "table"))
+        cells = list(WRITERS[0]().shown_cells(self._shown()))
+        width = max(len(heading) for heading, _ in cells)
+        shown = [f"{heading:{width}}  {text}" for heading, text in cells]
         left = len(shown) - _MOST_LINES
         if left > 0:
             shown[_MOST_LINES - 1 :] = [f"and {left + 1} more lines"]

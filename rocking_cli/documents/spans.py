@@ -1,10 +1,14 @@
 """Numbers from a start to a stop, as `START:STOP:N` or `START:STOP:N:log`."""
 
-import numpy as np
+from __future__ import annotations
 
-from ..arrays import Array
+from typing import TYPE_CHECKING
+
 from ..errors import UsageError
 from .quantities import parse_whole
+
+if TYPE_CHECKING:
+    from ..arrays import Array
 
 
 def split_span(
@@ -30,6 +34,8 @@ def spaced(key: str, start: float, stop: float, count: int, log: bool) -> Array:
     """Return numbers in equal steps, or in equal ratios. Raises UsageError for ratios
     from a bound that is not positive.
     """
+    import numpy as np
+
     if not log:
         return np.linspace(start, stop, count)
     if min(start, stop) <= 0.0:

@@ -9,8 +9,8 @@ from ..spectra.results import Summary
 
 
 def summary_lines(summary: Summary, output: str) -> Iterator[str]:
-    """Yield the sentences that decide: size, outcomes, and what is not to be relied
-    upon.
+    """Yield the sentences that decide: size, outcomes, run time and errors, and what is
+    not to be relied upon.
     """
     s = summary
     records = f" under {counted(s.records, 'record')}" if s.records else ""
@@ -19,6 +19,11 @@ def summary_lines(summary: Summary, output: str) -> Iterator[str]:
         f"{output}: {counted(s.cells, 'cell')},"
         f" {counted(s.structures, 'structure')}{records}: {outcomes}"
     )
+    yield (
+        f"run time: {s.run_time:.3g} s, {1e6 * s.time_per_cell:.3g} us a cell,"
+        f" {counted(s.workers, 'worker')}"
+    )
+    yield from _error_lines(s)
     if s.records and s.model == LINEAR.model:
         yield "the linear equation is not safe under records; `model` nonlinear decides"
     if s.machine_differences:
@@ -36,18 +41,13 @@ def summary_lines(summary: Summary, output: str) -> Iterator[str]:
 
 
 def summary_details(summary: Summary) -> Iterator[str]:
-    """Yield the other sentences: run time, errors, and work that was skipped."""
+    """Yield the other sentences: what was not marched, and why."""
     s, w = summary, summary.work
-    yield (
-        f"run time: {s.run_time:.3g} s, {1e6 * s.time_per_cell:.3g} us a cell,"
-        f" {counted(s.workers, 'worker')}"
-    )
     if s.resumed_cells:
         yield (
             f"resumed: {s.resumed_cells} cells were there before; times, checks and"
             " skipped work are those of this run"
         )
-    yield from _error_lines(s)
     if s.weighed or s.outcomes[Outcome.LOST_CONTACT.flag]:
         yield (
             "lost contact: g + z_g'' <= 0, or Fz <= 0 under a rigid body that rocks;"

@@ -574,7 +574,8 @@ def test_csv_has_the_columns_of_ties_that_the_first_structure_lacks(rocking):
 def test_the_effect_of_an_inset_on_the_least_capacity_is_told(rocking):
     bodies = ("block:0.5x2,name=B", "block:0.5x2,name=B,inset=25mm")
     plain, worn = (
-        rocking("check", text, *SHAKING, "--inset-effect", "--json") for text in bodies
+        rocking("check", text, *SHAKING, "--inset-effect", "--json", "--notes")
+        for text in bodies
     )
     least = [done.records[0]["first_overturning_a"] for done in (plain, worn)]
     taken = f"{100 - 100 * least[1] / least[0]:.2g} %"
@@ -592,7 +593,9 @@ def test_the_effect_of_an_inset_on_the_least_capacity_is_told(rocking):
     assert "--inset-effect: no body has a capacity that worn edges lower" in worn.stderr
     hint = "worn or rounded edges lower the capacity: --inset-effect shows by how much"
     for more, told in (("", True), (",inset=25mm", False)):
-        stands = rocking("check", f"block:0.5x2{more}", "--a-g", "0.3g", "--f-g", "1.5")
+        stands = rocking(
+            "check", f"block:0.5x2{more}", "--a-g", "0.3g", "--f-g", "1.5", "--notes"
+        )
         assert (hint in stands.stderr, "inside the edges" in stands.stderr) == (
             told,
             False,
@@ -613,7 +616,7 @@ def test_the_worst_azimuth_of_two_components(rocking, refused, tmp_path):
         "a.txt",
         "--verdict-only",
     )
-    done = rocking(*call, "--azimuth", "0:180:7", "--json")
+    done = rocking(*call, "--azimuth", "0:180:7", "--json", "--notes")
     first, second = done.records
     assert (first["structure"], first["azimuth"]) == (
         "A",
@@ -663,6 +666,7 @@ def test_the_worst_frequency_of_a_range_is_exact(rocking):
         "1.2:1.4",
         *motion,
         "--json",
+        "--notes",
     )
     row = done.record
     lowest = rocking(
@@ -798,7 +802,7 @@ def test_the_worst_frequency_at_an_end_of_the_range_is_told(rocking, more):
         "stated: worst at the lower end of the range, 0.8 Hz; slower motions are"
         " worse ("
     )
-    assert line.endswith(" Hz overturns it). It lifts at 0.2 g whatever the frequency")
+    assert line.endswith(" Hz overturns it)")
     slower = line.partition("worse (")[2].partition(" Hz")[0]
     assert (
         rocking(*call, "--f-g", slower, "--json")
@@ -1006,7 +1010,7 @@ def test_in_a_range_the_worse_direction_of_unequal_sides_counts(rocking):
     ranged = ("check", "block:0.5x2,one_sided=true", "--a-g", "0.6g", "--f-g", "1:3")
     for scale in ("1", "-1"):
         more = ("--verdict-only", "--scale", scale, "--fail-on", "overturning")
-        done = rocking(*ranged, *more, "--json")
+        done = rocking(*ranged, *more, "--json", "--notes")
         assert done.returncode == 5
         assert done.record["outcome"].startswith("overturned")
         assert "worse of both directions" in done.stderr

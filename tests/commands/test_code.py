@@ -22,7 +22,7 @@ def site(tmp_path):
 def test_the_columns_of_the_code_stand_after_those_of_the_dynamics(rocking):
     plain, done = (
         rocking(*BLOCK, *SHAKING, "--json"),
-        rocking(*BLOCK, *SHAKING, "--code", "ntc2018", "--json"),
+        rocking(*BLOCK, *SHAKING, "--code", "ntc2018", "--json", "--notes"),
     )
     row = done.record
     assert dict(list(row.items())[: len(plain.record)]) == plain.record

@@ -80,7 +80,7 @@ SHORTER = [
     (r"--duration 2 ", "--duration 0.2 "),
     (r"--f-g 0\.5:5", "--f-g 0.5:0.6"),
     (r"--draws \d+", "--draws 8"),
-    (r"rocking fragility", "rocking fragility --bootstrap 20"),
+    (r"rocking fragility (?!.*--bootstrap)", "rocking fragility --bootstrap 20 "),
     (
         r"(rocking (check|envelope) (?!.*--(a-max|verdict-only|closed-form)).*)",
         r"\1 --a-max 2",

@@ -242,7 +242,15 @@ def test_a_vertical_motion_in_the_response_the_spectrum_and_the_envelope(rocking
     assert before["t"] == pytest.approx(math.acos(-1 / 1.2) / (3 * math.pi), rel=1e-12)
     call = ("configs/block.yaml", "--grid", "A=0.5:6:6,Omega=2:4:2")
     done = rocking(
-        "spectrum", *call, *up, "-o", "up.h5", "--model", "nonlinear", "--json"
+        "spectrum",
+        *call,
+        *up,
+        "-o",
+        "up.h5",
+        "--model",
+        "nonlinear",
+        "--json",
+        "--notes",
     )
     record = done.record
     assert record["cells_lost_contact"] > 0

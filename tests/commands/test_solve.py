@@ -259,7 +259,8 @@ def test_the_worst_frequency_of_a_range_counts(rocking):
         "parameters:p={},alpha=0.2,eta=0.8,lambda=0.2",
         ("--a-g", "0.5g", "--f-g", "0.7:0.72"),
     )
-    done = rocking("solve", body.format(2), *at, "--vary", "p=1.09:1.1:2", "--json")
+    call = ("solve", body.format(2), *at, "--vary", "p=1.09:1.1:2")
+    done = rocking(*call, "--json", "--notes")
     row = done.record
     assert (row["side"], row["capacity_demand"]) == (
         "stands below",

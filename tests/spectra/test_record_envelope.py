@@ -151,7 +151,7 @@ def test_the_command(rocking, refused, tmp_path):
         "--a-max",
         "1.3",
     )
-    done = rocking("envelope", "b.yaml", *call, "--first", "--json")
+    done = rocking("envelope", "b.yaml", *call, "--first", "--json", "--notes")
     one, other = done.records
     assert one | {"record": "b"} == other
     assert "model: nonlinear" in done.stderr
