@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     import pandas
 
 _MOST_LINES = 14  # below the name of the class
+_WIDEST = 100  # characters of a line
 
 
 class RowWriter(Protocol):
@@ -41,7 +42,7 @@ class Shown:
     def __repr__(self) -> str:
         cells = list(WRITERS[0]().shown_cells(self._shown()))
         width = max(len(heading) for heading, _ in cells)
-        shown = [f"{heading:{width}}  {text}" for heading, text in cells]
+        shown = [_cut(f"{heading:{width}}  {text}") for heading, text in cells]
         left = len(shown) - _MOST_LINES
         if left > 0:
             shown[_MOST_LINES - 1 :] = [f"and {left + 1} more lines"]
@@ -58,6 +59,11 @@ class Shown:
         import pandas as pd
 
         return pd.DataFrame(list(self._rows()))
+
+
+def _cut(line: str) -> str:
+    """Return a line of at most `_WIDEST` characters."""
+    return line if len(line) <= _WIDEST else f"{line[: _WIDEST - 4]} ..."
 
 
 def html_table(title: str, row: Mapping[str, Any]) -> str:

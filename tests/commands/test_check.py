@@ -700,7 +700,7 @@ def test_the_worst_frequency_of_a_range_is_exact(rocking):
     assert row["worst_f_g_end"] == "lower"
     assert "demand: a_g 0.981 m/s2 = 0.1 g, f_g 0.71429 to 0.83333 Hz" in done.stderr
     assert (
-        "worst_f_g [Hz]"
+        "worst_f_g 0.7329 Hz"
         in rocking(
             "check", STATED, "--a-g", "0.26g", "--f-g", "0.7:0.75", "--verdict-only"
         ).stdout
@@ -816,10 +816,7 @@ def test_the_worst_frequency_at_an_end_of_the_range_is_told(rocking, more):
     assert line.startswith(
         f"{where}; slower motions are worse: they overturn stated at "
     )
-    assert line.endswith(
-        " Hz, which stands in this range. Each lifts at one amplitude whatever the"
-        " frequency"
-    )
+    assert line.endswith(" Hz, which stands in this range")
     inside = rocking(
         "check", STATED, "--a-g", "0.5g", "--f-g", "0.2:1.8", "--verdict-only", "--json"
     )

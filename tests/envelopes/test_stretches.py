@@ -148,7 +148,7 @@ def test_capacities_of_a_table_are_the_same_without_these_proofs_and_in_any_orde
     random = np.random.default_rng(4)
     bodies = [
         built(f"kind: block\nwidth: {width}\nheight: {width * ratio}")
-        for width, ratio in random.uniform([0.3, 3.0], [1.2, 8.0], (12, 2))
+        for width, ratio in random.uniform([0.3, 3.0], [1.2, 8.0], (5, 2))
     ]
     searches = [
         CapacitySearch(one, sine(), 2.0, 9.0 / one.p, NONLINEAR, 3.0) for one in bodies
@@ -157,4 +157,4 @@ def test_capacities_of_a_table_are_the_same_without_these_proofs_and_in_any_orde
     found = begun_together(searches)
     assert begun_together(searches[::-1])[::-1] == found
     assert [one.capacity() for one in searches] == found
-    assert len({one.first for one in found}) > 6
+    assert len({one.first for one in found}) > 2

@@ -86,6 +86,8 @@ def page_written(text: str, rocking: Run, folder: Path) -> str:
         if not found[2] and not (target and target in showing):
             return found[0]
         printed = shell(rocking, line, folder).splitlines()
+        if not found[2]:  # it writes a file that a later command reads
+            return found[0]
         shown = "".join(f"      {one}".rstrip() + "\n" for one in printed)
         return f"    {line}\n\n{shown}"
 
