@@ -200,7 +200,7 @@ def test_a_tie_of_one_side_makes_the_sides_differ():
         "left",
         "right",
     ]
-    assert left["lambda"] == pytest.approx(both.uplift, rel=1e-15)
+    assert left["lambda"] == pytest.approx(both.uplift, rel=1e-14)
     assert left["stiffness"] == -1.0
     assert left["equilibrium"] == pytest.approx(both.alpha, rel=1e-12)
     assert {**right, "side": "both"} == statics(both)
