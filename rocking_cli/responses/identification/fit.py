@@ -55,7 +55,7 @@ def _sums(q: Array) -> Array:
     return np.asarray(2.0 * (np.cumsum(q, axis=0) - q[0]))
 
 
-class Motion(NamedTuple):
+class ClosedForm(NamedTuple):
     """The closed form at some unknowns w."""
 
     alpha: Array  # [rad], right and left, (2,)
@@ -70,7 +70,7 @@ class Motion(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Model:
+class FreeRocking:
     """The readings of one release as a function of unknowns w: those of the shape, the
     time of impact 1, z of each half-cycle (the logit of peak over alpha), offset and
     drift of the zero, and ln gain over its standard deviation.
@@ -137,7 +137,7 @@ class Model:
         drift = w[-2] * (self.t - self.t.mean())
         return np.exp(self.gain_error * w[-1]) * swing + w[-3] + drift
 
-    def at(self, w: Array) -> Motion:
+    def at(self, w: Array) -> ClosedForm:
         """Return the motion, with derivatives."""
         of, ends, ln_energy = self.arcs(w)
         ln_slope = np.zeros((4, w.size))
@@ -161,7 +161,7 @@ class Model:
         slope[:, -3], slope[:, -2] = 1.0, self.t - self.t.mean()
         slope[:, -1] = self.gain_error * swing
         alpha, p = np.exp(self.shape.at(w[: self.free]).reshape(2, 2))
-        return Motion(
+        return ClosedForm(
             alpha,
             p,
             ln_slope,
@@ -178,10 +178,10 @@ class Model:
 class Saturated:
     """Fit A."""
 
-    model: Model
+    model: FreeRocking
     w: Array  # unknowns
     kept: Array  # True for the samples that are used, (N,)
-    motion: Motion
+    motion: ClosedForm
     left_out: float  # share of the samples that lie far beside the fit
     rho: float = 0.0  # autocorrelation of neighbours, 0 if not significant
     sigma: float = 1.0  # standard deviation of whitened residuals, correlation included
@@ -201,7 +201,7 @@ class Saturated:
         return np.where(alone, rows * np.sqrt(1.0 - self.rho**2), lessened).T
 
 
-def saturated(model: Model, sigma: float) -> Saturated:
+def saturated(model: FreeRocking, sigma: float) -> Saturated:
     """Return fit A; sigma: noise of a reading [SI]. Raises DocumentError if the fit
     does not end.
     """
@@ -279,7 +279,7 @@ class Mixed:
     """
 
     first: Saturated  # fit A
-    motion: Motion  # at the unknowns of this fit
+    motion: ClosedForm  # at the unknowns of this fit
     w: Array  # unknowns, without b
     b: Array  # coefficients of eta
     covariance: Array  # of w and b

@@ -23,7 +23,7 @@ from .first_look import (
     too_few,
     unfolded,
 )
-from .fit import Mixed, Model, mixed, saturated, with_noise
+from .fit import FreeRocking, Mixed, mixed, saturated, with_noise
 from .identified import (
     COLUMNS,
     IMPACT_COLUMNS,
@@ -204,7 +204,7 @@ def _fitted(trace: Trace, release: Release, wanted: Wanted, fit: str) -> Mixed:
     )
     step = float(np.median(np.diff(t)))
     beside = max(1.0 / (wanted.lowpass or math.inf), _LEAST_BESIDE * step)
-    model = Model(
+    model = FreeRocking(
         t,
         y,
         release,

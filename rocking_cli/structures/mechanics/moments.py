@@ -83,7 +83,7 @@ class Moments(NamedTuple):
         return self.polar - first + (ax * bx + az * bz) * self.mass
 
 
-class Edge(NamedTuple):
+class BodyOnEdge(NamedTuple):
     """A body on one edge."""
 
     p: float  # frequency parameter [rad/s]: p^2 = M g R/I_P (Eq. 2.3)
@@ -96,7 +96,7 @@ class Edge(NamedTuple):
     a_scale: float = 1.0  # [-] (Eq. 2.4)
 
 
-def edge_at(body: Moments, pivot: Point, gravity: float) -> Edge:
+def edge_at(body: Moments, pivot: Point, gravity: float) -> BodyOnEdge:
     """Return the parameters of a body on a pivot (x, z) [m] below its mass centre,
     without its restitution.
     """
@@ -104,10 +104,12 @@ def edge_at(body: Moments, pivot: Point, gravity: float) -> Edge:
     distance, height = abs(x - across), level - z
     arm = math.hypot(distance, height)
     p = math.sqrt(gravity * arm * body.mass / body.about(x, z))
-    return Edge(p, math.atan2(distance, height), distance / height, arm)
+    return BodyOnEdge(p, math.atan2(distance, height), distance / height, arm)
 
 
-def edges_of(body: Moments, half: float, gravity: float) -> tuple[Edge, Edge]:
+def edges_of(
+    body: Moments, half: float, gravity: float
+) -> tuple[BodyOnEdge, BodyOnEdge]:
     """Return the parameters on the left edge (-half, 0) and the right edge (half, 0)
     [m]; the mass centre must be above the base.
     """

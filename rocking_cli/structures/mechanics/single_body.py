@@ -26,7 +26,7 @@ from ..shared_keys import (
     restraints_in,
 )
 from ..sketch import Sketch, rectangle, redrawn, rocker
-from .moments import Edge, Moments, Point, edges_of
+from .moments import BodyOnEdge, Moments, Point, edges_of
 from .plane import top_arms
 from .toe import Foot, toe_of
 
@@ -68,7 +68,7 @@ class RigidBody:
         x, _ = self.moments.centre
         return self.half - (abs(x) if self.eta is None else x)
 
-    def edges(self, gravity: float) -> tuple[Edge, Edge]:
+    def edges(self, gravity: float) -> tuple[BodyOnEdge, BodyOnEdge]:
         """Return (left edge, right edge) for a gravity [m/s2]."""
         left, right = edges_of(self.moments, self.half, gravity)
         if self.eta is None:
@@ -140,7 +140,10 @@ class RigidBody:
         return details
 
     def _one_sided(
-        self, document: Document, edges: tuple[Edge, Edge], more: dict[str, Any]
+        self,
+        document: Document,
+        edges: tuple[BodyOnEdge, BodyOnEdge],
+        more: dict[str, Any],
     ) -> RockingParameters:
         """Return the parameters of the body against a backing: those on its right edge,
         with the restitution of three impacts.
@@ -153,7 +156,10 @@ class RigidBody:
         return RockingParameters(**numbers, eta_source=source, one_sided=True, **more)
 
     def _on_both_edges(
-        self, document: Document, edges: tuple[Edge, Edge], more: dict[str, Any]
+        self,
+        document: Document,
+        edges: tuple[BodyOnEdge, BodyOnEdge],
+        more: dict[str, Any],
     ) -> RockingParameters:
         """Return the parameters on the left and the right edge."""
         found = [restitution_of(document, edge.eta, self.limit) for edge in edges]
@@ -169,7 +175,7 @@ class RigidBody:
             left=left, right=right, eta_source=found[0][1], **more
         )
 
-    def _numbers(self, edge: Edge, eta: float) -> dict[str, Any]:
+    def _numbers(self, edge: BodyOnEdge, eta: float) -> dict[str, Any]:
         """Return the numbers on an edge; R is told if the ground forces are known."""
         arm = edge.arm if self.eta is None else None
         return edge._replace(arm=arm, eta=eta)._asdict()
