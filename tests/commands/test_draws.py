@@ -127,6 +127,7 @@ def test_what_has_no_draws_is_refused(rocking, call, said):
     assert "Traceback" not in done.stderr
 
 
+@pytest.mark.soak
 @pytest.mark.usefixtures("undrawn")
 def test_a_report_says_how_many_fall(rocking, tmp_path):
     out = tmp_path / "r.html"

@@ -85,7 +85,7 @@ def test_the_lowest_interval_is_a_row_a_frequency_also_where_there_is_none(rocki
     assert len(every) > 4
 
 
-@pytest.mark.slow
+@pytest.mark.soak
 def test_the_limit_may_be_an_acceleration(rocking):
     call = (
         "envelope",

@@ -463,6 +463,7 @@ def test_a_figure_holds_hazard_fragility_and_the_part_of_each_level(rocking):
     assert len(shown) == 2  # of the fits, not of the exact shares
 
 
+@pytest.mark.soak
 def test_a_negative_scale_reverses_site_pulses(rocking, tmp_path):
     (tmp_path / "p.csv").write_text(
         "a_g,T_g\n" + "".join(f"{0.3 + 0.05 * i} g,{0.5 + 0.1 * i}\n" for i in range(8))

@@ -10,7 +10,7 @@ import click
 import pytest
 from support.shown_commands import SHOWN, page_written, shell
 
-from rocking_cli.commands import COMMANDS, cli
+from rocking_cli.commands import COMMANDS, cli, shipped_cases
 from rocking_cli.commands.help import TOPICS, page
 
 PAGES = [name for name in (*COMMANDS, *TOPICS) if page(name)]
@@ -101,13 +101,20 @@ def shortened(line):
 
 # Pages whose commands take seconds, and how many of them run outside the soak.
 FIRST = {
-    **{"report": 1, "solve": 1, "fragility": 2, "check": 2, "plot": 6},
+    **{"report": 1, "solve": 1, "fragility": 2, "check": 2, "plot": 3},
     **{"spectrum": 3, "spreads": 3, "documents": 4, "base": 4},
 }
 
 
+@pytest.fixture
+def two_cases(monkeypatch):
+    """`rocking verify` with two of its cases; each runs in a test of its own."""
+    few = shipped_cases.shipped_cases()[:2]
+    monkeypatch.setattr(shipped_cases, "shipped_cases", lambda: few)
+
+
 @pytest.mark.slow
-@pytest.mark.usefixtures("undrawn")
+@pytest.mark.usefixtures("undrawn", "two_cases")
 @pytest.mark.parametrize(
     ("name", "count"),
     [

@@ -266,6 +266,7 @@ def test_it_is_told_while_the_main_thread_waits_for_processes(tmp_path):
     assert (closed.stdout, closed.stderr) == (b"a row\n", b"")
 
 
+@pytest.mark.soak
 @pytest.mark.skipif(sys.platform == "win32", reason="no pseudo-terminals")
 def test_a_terminal_is_renewed_while_the_main_thread_waits_for_processes(tmp_path):
     import pty

@@ -174,7 +174,7 @@ def recordings(folder: Path, count: int) -> tuple[Recording, ...]:
     )
 
 
-@pytest.mark.slow
+@pytest.mark.soak
 def test_processes_write_the_page_of_one():
     subjects = [subject(DAMPED.format(i, a)) for i, a in enumerate((0.4, 0.2, 0.3))]
     demands = [(one.structure, sine(), DEMAND) for one in subjects]

@@ -197,6 +197,7 @@ def test_the_search_goes_on_to_the_first_value_that_has_a_verdict(rocking, judge
     )
 
 
+@pytest.mark.soak
 def test_an_arch_too_thin_for_its_weight_never_counts_as_standing(rocking, judged):
     """0.55 m carries no weight, whatever the capacity of what carries it."""
     judged(lambda thickness: thickness / 0.7)

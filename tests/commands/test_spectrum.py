@@ -111,7 +111,7 @@ def test_pipeline_from_params(rocking, tmp_path):
     same_file(tmp_path / "a.h5", tmp_path / "b.h5")
 
 
-@pytest.mark.slow
+@pytest.mark.soak
 def test_arches_and_spires_sweep_like_any_other_structure(rocking, tmp_path):
     """A cell of the spectrum overturns just where it lies inside an interval of the
     envelope.
@@ -195,7 +195,7 @@ def heed_signals():
     ("workers", "stop"),
     [
         ("2", signal.SIGTERM),
-        ("2", signal.SIGINT),
+        pytest.param("2", signal.SIGINT, marks=pytest.mark.soak),
         *(
             pytest.param("2", stop, marks=pytest.mark.soak)
             for stop in set(STOPS) - {signal.SIGTERM, signal.SIGINT}

@@ -95,9 +95,13 @@ def ramp(rng):
     ("equation", "upwards"),
     [
         pytest.param(LINEAR["undamped"], 0.0, id="linear"),
-        pytest.param(LINEAR["damped"], 0.0, id="damped"),
-        pytest.param(RigidBodyEquation(0.3, 1e-11), 0.0, id="rigid"),
-        pytest.param(LINEAR["undamped"], 0.6, id="linear, upwards"),
+        pytest.param(LINEAR["damped"], 0.0, id="damped", marks=pytest.mark.soak),
+        pytest.param(
+            RigidBodyEquation(0.3, 1e-11), 0.0, id="rigid", marks=pytest.mark.soak
+        ),
+        pytest.param(
+            LINEAR["undamped"], 0.6, id="linear, upwards", marks=pytest.mark.soak
+        ),
         pytest.param(
             LINEAR["damped"], 0.6, id="damped, upwards", marks=pytest.mark.soak
         ),

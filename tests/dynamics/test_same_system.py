@@ -9,6 +9,7 @@ from functools import cached_property
 import numpy as np
 import pytest
 from support.bodies import SYSTEMS
+from support.soak import quick
 
 from rocking_cli import (
     LinearEquation,
@@ -127,7 +128,7 @@ MANY = np.random.default_rng(5).uniform((1.0, 0.7), (4.0, 6.0), (100, 2)).T
 
 @pytest.mark.slow
 @pytest.mark.parametrize("cells", [FEW, pytest.param(MANY, marks=pytest.mark.soak)])
-@pytest.mark.parametrize("method", [LINEAR, NONLINEAR])
+@pytest.mark.parametrize("method", quick((LINEAR, NONLINEAR), NONLINEAR))
 def test_a_shared_march_answers_each_body_as_alone(method, cells):
     bodies = {
         label: s
@@ -152,8 +153,8 @@ def test_a_shared_march_answers_each_body_as_alone(method, cells):
 @pytest.mark.parametrize(
     ("method", "grid"),
     [
-        (LINEAR, "A=2.3,Omega=4.5:5.5:2"),
-        (LINEAR, "a_g=0.5g:0.9g:2,f_g=2"),
+        pytest.param(LINEAR, "A=2.3,Omega=4.5:5.5:2", marks=pytest.mark.soak),
+        pytest.param(LINEAR, "a_g=0.5g:0.9g:2,f_g=2", marks=pytest.mark.soak),
         (NONLINEAR, "a_g=0.5g:0.9g:2,f_g=2"),
     ],
 )

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from support.soak import quick
 
 from rocking_cli import Method, load_structures, response, sine
 from rocking_cli.dynamics.shared_march import SharedMarch
@@ -14,7 +15,7 @@ BODIES = (
 )
 
 
-@pytest.mark.parametrize("peaks", [True, False])
+@pytest.mark.parametrize("peaks", quick((True, False), False))
 def test_a_body_has_the_same_bits_alone_and_with_others(peaks):
     """Blocks share a march, and so do bodies with two different edges; amplitudes up to
     3 include lost contact.

@@ -61,7 +61,7 @@ def fastest(model, body, amplitude, omega, eta, motion=MOTION):
     ("model", "body", "damping"),
     [
         ("linear", BLOCK, 0.0),
-        ("nonlinear", BLOCK, 0.0),
+        pytest.param("nonlinear", BLOCK, 0.0, marks=pytest.mark.soak),
         ("linear", LEANING, 0.0),
         ("linear", BLOCK, 0.1),
         ("nonlinear", LEANING, 0.05),

@@ -199,7 +199,7 @@ def test_the_lowest_fall_under_a_record_is_cut_to_its_last_digits():
     assert safe(response(system, motion, below, 0.4, peaks=False).outcome).all()
 
 
-@pytest.mark.slow
+@pytest.mark.soak
 @pytest.mark.parametrize(
     ("dt", "seed"),
     [

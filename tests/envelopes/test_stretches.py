@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 from support.documents import built
+from support.soak import quick
 
 from rocking_cli import Outcome, sine, trace_envelope
 from rocking_cli.dynamics.method import Method
@@ -31,7 +32,13 @@ NONLINEAR = Method("nonlinear")
 
 @pytest.mark.parametrize(
     ("body", "sign"),
-    [(PILLAR, 1.0), (COLUMN, 1.0), (STOUT, 1.0), (STATUE, 1.0), (STATUE, -1.0)],
+    [
+        (PILLAR, 1.0),
+        (STOUT, 1.0),
+        (STATUE, -1.0),
+        pytest.param(COLUMN, 1.0, marks=pytest.mark.soak),
+        pytest.param(STATUE, 1.0, marks=pytest.mark.soak),
+    ],
 )
 def test_what_is_proved_is_what_the_march_finds(body, sign):
     system = NONLINEAR.system_of(body)
@@ -117,7 +124,7 @@ def test_an_envelope_has_the_same_intervals_without_these_proofs(monkeypatch):
     assert len(found[0]) > 2
 
 
-@pytest.mark.parametrize("sign", [1.0, -1.0])
+@pytest.mark.parametrize("sign", quick((1.0, -1.0), 1.0))
 def test_nothing_overturns_where_it_is_excluded(sign):
     bodies, omegas = [PILLAR, COLUMN, STOUT, STATUE], [1.3, 3.4, 5.1, 8.0]
     motion = sine() if sign > 0.0 else sine().scaled(-1.0)
@@ -148,7 +155,7 @@ def test_capacities_of_a_table_are_the_same_without_these_proofs_and_in_any_orde
     random = np.random.default_rng(4)
     bodies = [
         built(f"kind: block\nwidth: {width}\nheight: {width * ratio}")
-        for width, ratio in random.uniform([0.3, 3.0], [1.2, 8.0], (5, 2))
+        for width, ratio in random.uniform([0.3, 3.0], [1.2, 8.0], (3, 2))
     ]
     searches = [
         CapacitySearch(one, sine(), 2.0, 9.0 / one.p, NONLINEAR, 3.0) for one in bodies

@@ -228,7 +228,7 @@ def covered(seeds, samples):
     return hits / seeds
 
 
-@pytest.mark.slow
+@pytest.mark.soak
 @pytest.mark.parametrize(
     ("seeds", "samples", "least", "most"),
     [

@@ -89,6 +89,7 @@ def test_a_motion_in_one_direction_is_worst_there(degrees):
     assert motion.name == f"r {degrees} deg"
 
 
+@pytest.mark.soak
 def test_the_capacity_is_the_least_and_the_rotation_the_largest_of_all_directions():
     """Every direction checked by itself: they are two different ones."""
     finely, n = partial(recorded, dt=0.025), np.arange(240.0)

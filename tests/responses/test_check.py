@@ -126,7 +126,11 @@ def judged(structure, motion, demand, a_max=A_MAX):
 
 @pytest.mark.parametrize(
     ("a_g", "falls", "at_lambda"),
-    [("3", False, False), ("6", True, False), ("3", False, True)],
+    [
+        pytest.param("3", False, False, marks=pytest.mark.soak),
+        pytest.param("6", True, False, marks=pytest.mark.soak),
+        ("3", False, True),
+    ],
 )
 def test_forces_under_a_record_are_those_of_its_history(a_g, falls, at_lambda):
     """Of a body that stands the walk tells them, of one that falls its history, and of
@@ -150,7 +154,11 @@ def test_forces_under_a_record_are_those_of_its_history(a_g, falls, at_lambda):
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("width", "step", "a_g", "falls"),
-    [(0.5, 2e-4, 4.0, False), (0.5, 5e-4, 14.0, True), (8.0, 1e-3, 6.0, False)],
+    [
+        pytest.param(0.5, 2e-4, 4.0, False, marks=pytest.mark.soak),
+        (0.5, 5e-4, 14.0, True),
+        (8.0, 1e-3, 6.0, False),
+    ],
 )
 def test_records_of_a_shaking_table_against_an_integration(width, step, a_g, falls):
     """At 1 to 5 kHz the steps are so short that few terms of a series are enough."""
@@ -206,7 +214,7 @@ def test_the_record_has_the_columns_the_uplift_and_the_top():
     )
 
 
-@pytest.mark.slow
+@pytest.mark.soak
 def test_verdicts_under_records_are_the_same_one_by_one_and_together():
     """Their searches are scanned together."""
     motions = [motion_of_samples(noise(240, 0.06, seed), 0.06) for seed in (1, 2)]
@@ -311,9 +319,9 @@ def test_many_bodies_are_judged_together_as_each_alone():
     texts = [
         f"kind: block\nwidth: {random.uniform(0.3, 1.2)}\nheight: 3\n{more}"
         for more in ("", "damping: 0.04", "damping: 0.07", "one_sided: true", "")
-        for _ in range(6)
+        for _ in range(2)
     ]
-    samples = noise(400, 0.01, seed=3)
+    samples = noise(240, 0.01, seed=3)
     record = motion_of_samples(3.5 * samples / np.abs(samples).max(), 0.01)
     shaken = (sine(), parse_grid("a_g=0.3g,f_g=0.8")), demand_of(record, None)
     demands = [(built(text), *one) for text in texts for one in shaken]

@@ -95,7 +95,7 @@ def test_the_share_that_falls(text, grid, exact):
     assert found.share == pytest.approx(exact, abs=0.004)
 
 
-@pytest.mark.slow
+@pytest.mark.soak
 def test_two_windows_of_the_restitution_are_seen():
     """It falls for eta from 0.93182 to 0.93566 and above 0.93760 (independent
     program)."""

@@ -43,7 +43,7 @@ def three_cycles(tmp_path_factory):
         yield file
 
 
-@pytest.mark.slow
+@pytest.mark.soak
 def test_a_narrow_tongue_between_the_rows_of_the_spectrum_bounds_the_margin(
     three_cycles,
 ):

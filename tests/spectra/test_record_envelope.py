@@ -59,7 +59,7 @@ def test_ends_of_intervals_by_another_method():
             )
 
 
-@pytest.mark.slow
+@pytest.mark.soak
 def test_a_scan_that_leads_the_march_changes_no_interval(monkeypatch):
     motion = motion_of_samples(noise(100, 0.06, 4), 0.06)
     omegas = np.array([0.3, 0.5])

@@ -14,6 +14,7 @@ import xarray
 from support.documents import built, same_file
 from support.record_layouts import wave
 from support.refusals import refuses
+from support.soak import quick
 from support.synthetic_records import recorded
 
 from rocking_cli import (
@@ -125,7 +126,7 @@ def test_a_factor_is_part_of_the_record():
     assert there.value(times) == pytest.approx(here.value(times), abs=1e-14)
 
 
-@pytest.mark.parametrize("eta", [0.5, None])
+@pytest.mark.parametrize("eta", quick((0.5, None), 0.5))
 def test_rocking_spectra_over_alpha_and_size(eta):
     scene = angles_scene(ALPHAS, PERIODS, RECORDS, eta, NONLINEAR)
     found = spectrum_of(scene, SweepOptions(workers=1, check=0))
@@ -157,7 +158,9 @@ def test_rocking_spectra_over_alpha_and_size(eta):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("method", [Method(), Method("nonlinear")])
+@pytest.mark.parametrize(
+    "method", [pytest.param(Method(), marks=pytest.mark.soak), Method("nonlinear")]
+)
 def test_records_share_a_run_and_are_those_of_each_alone(method):
     """Of other lengths, steps and peaks, one with its samples far apart."""
     steps = {"a": (70, 0.02), "b": (120, 0.005), "c": (24, 0.8), "d": (33, 0.03)}

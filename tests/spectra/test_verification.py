@@ -208,6 +208,7 @@ def test_the_summary_tells_how_many_cells_its_error_rests_on(check, sensitive):
     ) in line
 
 
+@pytest.mark.soak
 def test_a_quarter_of_the_cells_checked_under_a_record_are_the_most_sensitive():
     """The rotations of no other cells differ more from those of the next scale."""
     block = built("kind: block\nwidth: 0.3 m\nheight: 1.2 m")

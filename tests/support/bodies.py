@@ -89,6 +89,13 @@ SYSTEMS = {  # each has this restitution
     name: (system.with_restitution(eta), eta)
     for name, (system, eta) in _SYSTEMS.items()
 }
+# every equation and every kind of edge, in the tests outside the soak
+QUICK = (
+    "the oscillator of unlike edges",
+    "a body on one side",
+    "a damped body of unlike edges",
+    "an arch",
+)
 
 
 def random_body(

@@ -14,6 +14,7 @@ from oracles.mechanism_pulse import OneWay, Part, peak
 from scipy.optimize import brentq, minimize_scalar
 from support.bodies import rotation_under
 from support.documents import built
+from support.soak import quick
 
 from rocking_cli import ArgumentError
 from rocking_cli.dynamics.equations.mechanism import MechanismEquation
@@ -143,7 +144,7 @@ def test_cells_are_those_of_another_integration(case, strength, share):
         assert found == (wanted and pytest.approx(ratio(wanted), rel=1e-6))
 
 
-@pytest.mark.parametrize("share", [0.1, 0.3, 0.8])
+@pytest.mark.parametrize("share", quick((0.1, 0.3, 0.8), 0.3))
 def test_the_capacity_is_that_of_another_integration(case, share):
     structure, sides, _ = case
     period = share * 2.0 * math.pi / structure.p
@@ -195,6 +196,7 @@ def test_a_stronger_drive_is_refused_unless_the_body_is_too_fast_for_it():
         equation.certainly_overturns(at, np.array([2.0]), strong, steady=False)
 
 
+@pytest.mark.soak
 @pytest.mark.parametrize("turning", ["right", "v8"])
 def test_the_body_that_measures_the_rotation_decides_no_outcome(turning):
     """By that of the link beside the buttress that stays nothing locks before the

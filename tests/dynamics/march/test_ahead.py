@@ -4,7 +4,8 @@ line and against closed forms.
 
 import numpy as np
 import pytest
-from support.bodies import SYSTEMS
+from support.bodies import QUICK, SYSTEMS
+from support.soak import quick
 from support.synthetic_records import (
     RECORDS,
     allowance,
@@ -80,7 +81,7 @@ def line_by_line(system, motion, cells, monkeypatch):
         return response(system, motion, *cells)
 
 
-@pytest.mark.parametrize("name", SYSTEMS)
+@pytest.mark.parametrize("name", quick(SYSTEMS, *QUICK))
 def test_flights_end_as_line_by_line(name, monkeypatch):
     system, eta = SYSTEMS[name]
     for seed, motion in enumerate(
@@ -153,7 +154,7 @@ def test_tables_in_groups_and_several_records_change_no_digit(monkeypatch):
     )
 
 
-@pytest.mark.parametrize("name", SYSTEMS)
+@pytest.mark.parametrize("name", quick(SYSTEMS, *QUICK))
 def test_no_digit_of_a_cell_depends_on_the_others(name):
     system, motion = SYSTEMS[name][0], motion_of_samples(noise(100, 0.02, 5), 0.02)
     cells = np.array(random_cells(12, 3))

@@ -6,8 +6,9 @@ from functools import partial
 
 import numpy as np
 import pytest
-from support.bodies import ALPHA, SYSTEMS
+from support.bodies import ALPHA, QUICK, SYSTEMS
 from support.references import answers
+from support.soak import quick
 from support.synthetic_records import (
     RECORDS,
     allowance,
@@ -116,7 +117,7 @@ def against_the_march(name, motion, long, count, seed):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", SYSTEMS)
+@pytest.mark.parametrize("name", quick(SYSTEMS, *QUICK))
 def test_the_same_as_the_march_by_long_series(name):
     motion = (
         motion_of_samples(RECORDS[1], 0.03)
@@ -146,7 +147,7 @@ def test_one_arch_at_a_time_is_the_march_under_a_pulse(motion):
 
 @pytest.mark.soak
 @pytest.mark.parametrize("record", range(3))
-@pytest.mark.parametrize("name", SYSTEMS)
+@pytest.mark.parametrize("name", quick(SYSTEMS, *QUICK))
 def test_many_cells_of_each_system(name, record):
     motion = motion_of_samples(RECORDS[record], 0.04)
     against_the_march(name, motion, long_series(motion), 300, 20 + record)

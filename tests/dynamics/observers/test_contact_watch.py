@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from oracles.ground_forces import lifting, pendulum
 from support.bodies import forces_of, random_body
+from support.soak import quick
 
 from rocking_cli import (
     Method,
@@ -280,7 +281,7 @@ class Seen(ContactWatch):
 
 
 @pytest.mark.parametrize("model", ["linear", "nonlinear"])
-@pytest.mark.parametrize("share", [0.0, 0.4])
+@pytest.mark.parametrize("share", quick((0.0, 0.4), 0.4))
 def test_forces_along_steps_stay_within_their_bounds(model, share):
     """Fz by another formula, at 65 instants of each step: above the bound by the
     largest speed and acceleration, and near its chord.

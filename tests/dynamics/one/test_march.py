@@ -29,6 +29,7 @@ from rocking_cli.motions import Harmonic, Piece
 response_alone = partial(response, how="floats")
 
 
+@pytest.mark.soak
 def test_a_body_that_bounces_for_ever_fails_as_on_arrays():
     system, motion = (
         System(RigidBodyEquation(ALPHA)),

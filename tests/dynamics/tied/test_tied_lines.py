@@ -8,6 +8,7 @@ import mpmath
 import numpy as np
 import pytest
 from support.documents import built
+from support.soak import quick
 from support.synthetic_records import motion_of_samples
 from support.tied_march import marched
 
@@ -41,7 +42,9 @@ def shaking(samples=150):
     return motion_of_samples(np.sin(math.pi * t / t[-1]) * s, STEP)
 
 
-@pytest.mark.parametrize("name", BODIES)
+@pytest.mark.parametrize(
+    "name", quick(BODIES, "one-sided, yields", "two ties, one breaks")
+)
 def test_bodies_end_as_without_whole_lines(name, monkeypatch):
     body, motion = built(BODIES[name]), shaking()
     system, ones = Method("nonlinear").system_of(body), np.ones(4)

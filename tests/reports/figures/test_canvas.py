@@ -18,7 +18,13 @@ def planned(figure):
     legend(figure.axes[0])
 
 
-@pytest.mark.parametrize(("form", "dpi"), [("png", 200), ("svg", 600)])
+@pytest.mark.parametrize(
+    ("form", "dpi"),
+    [
+        pytest.param("png", 200, marks=pytest.mark.soak),
+        ("svg", 600),
+    ],
+)
 def test_a_figure_that_is_drawn_once_has_the_bytes_of_savefig(form, dpi):
     with styled(Look()) as figure:
         planned(figure)

@@ -60,7 +60,7 @@ def cluster(tmp_path):
     process.stdout.close()
 
 
-@pytest.mark.slow
+@pytest.mark.soak
 def test_a_cluster_computes_the_same_file_though_a_worker_dies(
     rocking, cluster, tmp_path
 ):

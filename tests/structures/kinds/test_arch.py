@@ -161,21 +161,21 @@ def test_voussoir_arches_jump_only_where_another_mechanism_takes_over():
         built(
             f"kind: arch\nradius: 10\nthickness: 1.6\nangle: {beta} deg\nvoussoirs: 7"
         )
-        for beta in np.arange(150, 180.01, 0.25)
+        for beta in np.arange(150, 180.01, 0.75)
     ]
     joints = [
         tuple(
-            round(h["angle"] / (math.radians(150 + 0.25 * i) / 7))
+            round(h["angle"] / (math.radians(150 + 0.75 * i) / 7))
             for h in a.details["hinges"]
         )
         for i, a in enumerate(family)
     ]
     changes = np.array([a != b for a, b in itertools.pairwise(joints)])
     assert 1 <= changes.sum() <= 4
-    assert np.abs(np.diff([a.uplift for a in family])).max() < 0.01
+    assert np.abs(np.diff([a.uplift for a in family])).max() < 0.03
     for name in ("p", "alpha"):
         steps = np.abs(np.diff([getattr(a, name) for a in family]))
-        assert steps[~changes].max() < 0.1 * steps[changes].min()
+        assert steps[~changes].max() < 0.3 * steps[changes].min()
 
 
 @pytest.mark.parametrize(
