@@ -146,6 +146,11 @@ RIGID = Keys(
         "period": positive(
             "time", "of the body on a fixed base: tells how rigid it is"
         ),
+        "youngs_modulus": positive(
+            "stress",
+            "instead of period, of block, free wall and cylinder with a density",
+            usual=Usual(1e6, 1e12, in_units("MPa", "GPa")),
+        ),
         "loads": Key("parts", "floors, roofs and other weights", inner=LOADS),
         "ties": Key("parts", "see rocking help ties", inner=_TIE),
         "tendon": Key("part", "see rocking help ties", inner=_TENDON),

@@ -82,7 +82,7 @@ class WallBetweenFloors:
         """Return the parameters, with the crack of the least lambda unless
         `crack_height` states it. Raises DocumentError.
         """
-        for key in ("inset", "strength", *RESTRAINTS):
+        for key in ("inset", "strength", "youngs_modulus", *RESTRAINTS):
             if document.has(key):
                 raise document.fault(
                     key,

@@ -17,6 +17,7 @@ from typing import Any
 from ...documents.document import Document
 from ...documents.keys import Key, Keys, length
 from ..parameters import RockingParameters, Side
+from ..rigidity import of_cantilever
 from ..shared_keys import (
     gravity_of,
     has_loads,
@@ -43,6 +44,7 @@ class RigidBody:
     drawing: Sketch  # its geometry
     # its contact area, for `strength`; a text says whose is not known
     foot: Foot | str = "such a body, whose contact area is not known"
+    shaft: float | None = None  # height, if each section is that of the foot [m]
     # (x, z) of the impact point on a backing, from the middle of the base [m]; None if
     # the geometry does not define it
     top: Point | None = None
@@ -128,7 +130,7 @@ class RigidBody:
         self, document: Document, inset: float, body: RigidBody
     ) -> dict[str, Any]:
         """Return the details of `body`, this body on pivots inside its edges."""
-        details = dict(body.details)
+        details = {**body.details, **of_cantilever(document, self)}
         mass = mass_of(document)
         if mass is not None:
             details["mass"] = mass
@@ -249,6 +251,7 @@ def rectangle_body(width: float, height: float, **more: Any) -> RigidBody:
         moments=Moments.of(1.0, centre, (width**2 + height**2) / 12.0),
         half=half,
         top=(-half, height),
+        shaft=height,
         drawing=rocker([outline], (-half, 0.0), (half, 0.0), centre),
         **more,
     )

@@ -162,6 +162,7 @@ def stacked(
     interface, inwards = (
         (interfaces[lowest], insets[lowest]) if inset else (whole[lowest], 0.0)
     )
+    only = pieces[0]
     return RigidBody(
         moments=interface.centred,
         half=interface.half,
@@ -171,6 +172,7 @@ def stacked(
         drawing=_drawing(pieces, lowest, interface, inwards),
         moved=partial(stacked, document, key, word, pieces),
         foot=feet[lowest],
+        shaft=only.height if len(pieces) == 1 and only.foot == only.head else None,
     )
 
 

@@ -42,6 +42,11 @@ class Strip(NamedTuple):
         """Half the width [m]."""
         return 0.5 * self.width
 
+    @property
+    def gyration(self) -> float:
+        """Radius of gyration about the axis across the rocking [m]."""
+        return self.width / math.sqrt(12.0)
+
     def inset(self, crushed: float) -> float:
         """Return the distance of the centroid of a crushed area [m2] from the edge."""
         return 0.5 * crushed / self.length
@@ -52,6 +57,11 @@ class RingBase(NamedTuple):
 
     outer: float  # radius [m]
     inner: float = 0.0  # radius of the hole [m]
+
+    @property
+    def gyration(self) -> float:
+        """Radius of gyration about a diameter [m]."""
+        return 0.5 * math.hypot(self.outer, self.inner)
 
     @property
     def area(self) -> float:
@@ -131,8 +141,8 @@ def foot_of(
 ) -> tuple[Foot, dict[str, float]]:
     """Return (the foot of a body, its mass as a detail if a density gives it). base:
     its area, or its width [m] and then `across` the key of its length; volume: of the
-    body [m3], or then of a metre. Raises DocumentError for a density that gives no mass
-    and no stress.
+    body [m3], or then of a metre. Raises DocumentError for a density from which no
+    mass, stress or frequency follows.
     """
     density, mass = density_of(document), mass_of(document)
     length = 1.0 if isinstance(base, RingBase) else document.optional(across)
@@ -146,7 +156,7 @@ def foot_of(
     mass = density * volume * (length or 1.0)
     if length is not None:
         return Foot(area, mass), {"mass": mass}
-    if not document.has("strength"):
+    if not (document.has("strength") or document.has("youngs_modulus")):
         raise document.missing(across, f"{across}, which gives the mass with density")
     return Foot(area, mass, per_metre=True), {}
 
