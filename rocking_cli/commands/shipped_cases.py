@@ -18,6 +18,7 @@ from dataclasses import dataclass
 from datetime import date
 from html import escape
 from importlib.metadata import version
+from itertools import groupby
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -165,15 +166,19 @@ def installation() -> dict[str, str]:
     }
 
 
+# columns of a page whose texts may be those of several rows
+_TEXTS = ("case", "equation", "source", "command", "requirement", "module")
 _PAGE = """<!DOCTYPE html>
 <html lang="en"><head><meta charset="utf-8"><title>Verification of rocking</title>
 <meta name="viewport" content="width=device-width, initial-scale=1">
 <style>
 @page {{ size: A4 landscape; margin: 15mm }}
-body {{ font: 11px/1.4 sans-serif; margin: 2em auto; max-width: 80em; padding: 0 1em }}
+body {{ font: 11px/1.4 sans-serif; margin: 2em auto; max-width: 100em; padding: 0 1em }}
 table {{ border-collapse: collapse; width: 100%; margin: 1em 0 }}
 td, th {{ text-align: left; vertical-align: top; padding: .25em .6em;
   border-bottom: 1px solid #ccc }}
+span {{ white-space: nowrap }}
+.about td, .wide td:nth-child(9) {{ overflow-wrap: anywhere; min-width: 13em }}
 .no {{ background: #fbb }}
 .wide {{ overflow-x: auto }}
 tr {{ break-inside: avoid }}
@@ -182,7 +187,7 @@ h2 {{ break-before: page }}
 </style></head><body>
 <h1>Verification of rocking</h1>
 <p>{verdict}</p>
-<table>{about}</table>
+<table class="about">{about}</table>
 <p>The program answers for rigid bodies, and mechanisms of them, that rock on a rigid
 base in one plane. Each row below names the equation that is computed and the command
 that computes it again, in the folder of its case. The help page `defects` lists what
@@ -215,20 +220,34 @@ def page(
 
 
 def _table(rows: Sequence[Mapping[str, Any]]) -> str:
-    """Return rows as a table in HTML; one that is not passed is marked."""
-    heads = "".join(f"<th>{escape(key)}</th>" for key in next(iter(rows), {}))
+    """Return rows as a table in HTML; one that is not passed is marked. Of a case, or a
+    requirement, a text that is the same in all its rows stands once.
+    """
+    columns = [*next(iter(rows), {})]
+    heads = "".join(f"<th>{escape(key)}</th>" for key in columns)
     lines = [f"<thead><tr>{heads}</tr></thead>"]
-    for row in rows:
-        mark = ' class="no"' if row.get("passed") == "NO" else ""
-        cells = "".join(f"<td>{escape(_shown(x))}</td>" for x in row.values())
-        lines.append(f"<tr{mark}>{cells}</tr>")
+    for _, together in groupby(rows, lambda row: row[columns[0]]):
+        of_one = [*together]
+        same = {key for key in _TEXTS if len({row.get(key) for row in of_one}) == 1}
+        for i, row in enumerate(of_one):
+            mark = ' class="no"' if row.get("passed") == "NO" else ""
+            cells = [
+                f'<td rowspan="{len(of_one) if key in same else 1}">{_shown(x)}</td>'
+                for key, x in row.items()
+                if i == 0 or key not in same
+            ]
+            lines.append(f"<tr{mark}>{''.join(cells)}</tr>")
     return "\n".join(["<table>", *lines, "</table>"])
 
 
 def _shown(x: Any) -> str:
+    """Return a value in HTML: a line breaks in a path, in no number and no option."""
     if isinstance(x, float | int):
-        return f"{x:.12g}"
-    return "" if x is None else str(x)
+        return f"<span>{x:.12g}</span>"
+    text = escape(str(x or ""))
+    if ".py" in text:
+        return re.sub(r"([/_:])(?=\w)", r"\1<wbr>", text)
+    return re.sub(r"(?<!\S)(--?\w\S*)", r"<span>\1</span>", text)
 
 
 def tally_of(found: Sequence[Comparison]) -> str:

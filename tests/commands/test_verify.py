@@ -71,6 +71,7 @@ def test_the_command_tells_a_wrong_number_and_keeps_inputs_and_page(
     text = (folder / "page.html").read_text(encoding="utf-8")
     assert text.count('class="no"') == 1
     assert "&lt;wrong&gt;" in text
+    assert text.count(f"rocking {right.command}") == 2  # once for all numbers of a case
     assert (folder / "01-block" / "block.yaml").read_text() == right.files["block.yaml"]
     again = rocking("verify", "-o", str(folder))
     assert (again.returncode, "exists" in again.stderr) == (2, True)
