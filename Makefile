@@ -63,7 +63,7 @@ $(STAMPS)/lint: $(STAMPS)/dev $(CODE) $(TESTS)
 	.venv/bin/mypy
 	touch $@
 
-docs: $(STAMPS)/dev ## The documentation site of the help pages and docstrings, out/docs
+docs: $(STAMPS)/dev ## The documentation site: README, help pages, docstrings, tutorials and a gallery, out/docs
 	.venv/bin/python -m pip install --quiet --disable-pip-version-check --editable '.[docs]'
 	.venv/bin/python .ci/site.py out/docs
 

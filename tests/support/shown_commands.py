@@ -94,6 +94,20 @@ def page_written(text: str, rocking: Run, folder: Path) -> str:
     return SHOWN.sub(output, text)
 
 
+def in_folder(folder: Path) -> Run:
+    """`rocking` as a program of its own, in a folder with `configs`."""
+    if not (folder / "configs").exists():
+        (folder / "configs").symlink_to(ROOT / "configs")
+
+    def rocking(*arguments: str, stdin: str = "") -> subprocess.CompletedProcess[str]:
+        call = [sys.executable, "-m", "rocking_cli", *arguments]
+        return subprocess.run(
+            call, input=stdin, capture_output=True, text=True, check=False, cwd=folder
+        )
+
+    return rocking
+
+
 def main() -> None:
     import tempfile
 
@@ -101,19 +115,7 @@ def main() -> None:
 
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        (folder / "configs").symlink_to(ROOT / "configs")
-
-        def rocking(*arguments: str, stdin: str) -> subprocess.CompletedProcess[str]:
-            call = [sys.executable, "-m", "rocking_cli", *arguments]
-            return subprocess.run(
-                call,
-                input=stdin,
-                capture_output=True,
-                text=True,
-                check=False,
-                cwd=folder,
-            )
-
+        rocking = in_folder(folder)
         for page in PAGES.glob("*.txt"):
             page.write_text(
                 page_written(page.read_text(encoding="utf-8"), rocking, folder),
