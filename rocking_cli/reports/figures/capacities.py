@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...digits import digits_apart
+from ...digits import rounded_down
 from ...documents.quantities import DEFAULT_GRAVITY
 from ...dynamics.outcome import Outcome
 from ...errors import ArgumentError, UsageError
@@ -230,8 +230,8 @@ def _verdict_in_words(v: Verdict) -> str:
     if v.capacity_demand is not None:
         window = v.outcome.safe and v.capacity_demand < 1.0
         words = ", in a safe window" if window else ""
-        digits = digits_apart(v.capacity_demand, 1.0, 3)
-        return f"{v.capacity_demand:.{digits}g}  {v.sentence}{words}"
+        # to the safe side, as in the table of a report
+        return f"{rounded_down(v.capacity_demand, 3, 1.0):g}  {v.sentence}{words}"
     if v.capacity_above is not None:
         return f"{Above(v.capacity_above).shown(3)}  {v.sentence}"
     if v.outcome == Outcome.SLID:
