@@ -363,12 +363,13 @@ def fragility(
 
     Examples
     --------
-    >>> columns = load_structures("configs/block.yaml")
-    >>> fragility(columns, load_records("configs/motions/synthetic.at2"), [1.0, 2.0])
-    Traceback (most recent call last):
-        ...
-    rocking_cli.errors.UsageError: Column, 0.1, stripes: 1 records; a fit needs at least
-    4
+    >>> from dataclasses import replace
+    >>> record = read_record("configs/motions/synthetic.at2")
+    >>> slower = [replace(record, dt=k * record.dt) for k in (0.5, 0.7, 1.0, 1.4, 2.0)]
+    >>> how = Resampling(samples=50)
+    >>> (fit,) = fragility("block:0.5x2", slower, [2, 4, 6], limits=[None], how=how)
+    >>> f"median {fit.curve.median:.2f} m/s2, beta {fit.curve.beta:.2f}"
+    'median 5.33 m/s2, beta 0.69'
     """
     bodies = structures_from(structures)
     measure, x = measure_of(im), check_levels(np.asarray(levels, dtype=float))
