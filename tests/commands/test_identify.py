@@ -98,6 +98,8 @@ REFUSED = {
     ),
     "impacts": ("impact [s]\n1\n2\n2.5\n", 2, "impact times need a structure, for p"),
     "few": (HEAD + "0,0.1\n", 3, "found 1 sample"),
+    "few uplifts": ("t [s],uplift [mm]\n0,1\n", 3, "found 1 sample"),
+    "no accelerations": ("t [s],acceleration [g]\n", 3, "found 0 samples"),
 }
 
 

@@ -9,6 +9,8 @@ import numpy as np
 import pytest
 from oracles.free_rocking import free_rocking
 from scipy.integrate import quad
+from scipy.ndimage import median_filter
+from scipy.signal import savgol_filter
 
 from rocking_cli import (
     DocumentError,
@@ -20,6 +22,7 @@ from rocking_cli import (
     read_documents,
 )
 from rocking_cli.responses.identification.closed_form import energy, motion, quarter
+from rocking_cli.responses.identification.first_look import _smooth
 from rocking_cli.responses.identification.identified import Estimate, mean_of
 
 # (alpha, p, theta_0, Q, speed at the impact, theta and theta_dot at half of Q): by
@@ -59,6 +62,13 @@ def test_a_quarter_is_the_integral_of_one_over_the_speed(x):
 
     wanted = quad(slowness, 0.0, 1.0, epsabs=1e-13, epsrel=1e-12, limit=200)[0]
     assert quarter(top, alpha, p) == pytest.approx(wanted, rel=1e-8)
+
+
+@pytest.mark.parametrize("size", [5, 6, 24, 300])
+def test_a_trace_is_smoothed_by_medians_and_parabolas(size):
+    y = np.random.default_rng(size).standard_normal(size)
+    wanted = savgol_filter(median_filter(y, 5, mode="nearest"), 5, 2)
+    assert _smooth(y) == pytest.approx(wanted, abs=1e-14)
 
 
 def body(inset, width=0.5, height=2.0):

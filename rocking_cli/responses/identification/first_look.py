@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 
 from ...arrays import Array
 from ...errors import DocumentError, counted
@@ -20,6 +21,17 @@ _LOW = 0.5  # if the one before is smaller than this share of the first one
 _SQUARE = 0.15  # of the range of a square wave: less is no side of it
 _FINEST = 1e-5  # of the range: no trace is less noisy
 _SIGMAS = 6.0  # peaks below so many noises are left out
+# five samples times it: the parabola of least squares at each of them
+_PARABOLA = np.array(
+    [
+        [31.0, 9.0, -3.0, -5.0, 3.0],
+        [9.0, 13.0, 12.0, 6.0, -5.0],
+        [-3.0, 12.0, 17.0, 12.0, -3.0],
+        [-5.0, 6.0, 12.0, 13.0, 9.0],
+        [3.0, -5.0, -3.0, 9.0, 31.0],
+    ]
+)
+_PARABOLA /= 35.0
 
 
 @dataclass(frozen=True)
@@ -49,11 +61,6 @@ def releases_of(trace: Trace, y: Array, rates: bool, least: float) -> list[Relea
     the first one are left out. Raises DocumentError.
     """
     t = trace.t
-    if t.size < LEAST_SAMPLES * LEAST_IMPACTS:
-        raise DocumentError(
-            f"{trace.name}: found {counted(t.size, 'sample')}; expected a trace of free"
-            " rocking"
-        )
     turns = _turns(_smooth(y))
     swings = np.abs(np.diff(y[turns]))
     if swings.size and abs(y[-1] - y[turns[-1]]) > _AGAIN * swings.max():
@@ -97,6 +104,15 @@ def releases_of(trace: Trace, y: Array, rates: bool, least: float) -> list[Relea
     return found
 
 
+def require_samples(trace: Trace) -> None:
+    """Raise DocumentError for fewer samples than the half-cycles of a release need."""
+    if trace.t.size < LEAST_SAMPLES * LEAST_IMPACTS:
+        raise DocumentError(
+            f"{trace.name}: found {counted(trace.t.size, 'sample')}; expected a trace"
+            " of free rocking"
+        )
+
+
 def too_few(trace: Trace, count: int) -> DocumentError:
     """Return the error for too few impacts."""
     return DocumentError(
@@ -119,9 +135,7 @@ def sign_changes(t: Array, y: Array) -> Array:
     """Return the times [s] at which a square wave changes its sign, such as the
     acceleration along the axis of a rocking body.
     """
-    from scipy.ndimage import median_filter
-
-    v = median_filter(y, 5, mode="nearest")
+    v = _medians(y)
     low, high = np.percentile(v, [2.0, 98.0])
     return _stays(t, v - 0.5 * (low + high), _SQUARE * (high - low))[1]
 
@@ -155,12 +169,17 @@ def _require_no_gap(trace: Trace, window: slice, most: float) -> None:
         )
 
 
+def _medians(y: Array) -> Array:
+    """Return a running median of 5 samples; beyond an end stand more of its sample."""
+    windows = sliding_window_view(np.pad(y, 2, mode="edge"), 5)
+    return np.asarray(np.median(windows, axis=-1))
+
+
 def _smooth(y: Array) -> Array:
     """Return a running median of 5 and then a parabola over 5 samples."""
-    from scipy.ndimage import median_filter
-    from scipy.signal import savgol_filter
-
-    return np.asarray(savgol_filter(median_filter(y, 5, mode="nearest"), 5, 2))
+    v = _medians(y)
+    middle = sliding_window_view(v, 5) @ _PARABOLA[2]
+    return np.concatenate([_PARABOLA[:2] @ v[:5], middle, _PARABOLA[3:] @ v[-5:]])
 
 
 def _turns(v: Array) -> Array:
@@ -194,9 +213,7 @@ def _centred(t: Array, v: Array) -> Array:
 
 def _integrated(t: Array, rate: Array) -> Array:
     """Return the rotation of a rate, less the straight line through its middles."""
-    from scipy.integrate import cumulative_trapezoid
-
-    v = cumulative_trapezoid(rate, t, initial=0.0)
+    v = np.append(0.0, np.cumsum(0.5 * (rate[1:] + rate[:-1]) * np.diff(t)))
     for _ in range(3):
         v = _centred(t, v)
     return np.asarray(v)

@@ -82,11 +82,12 @@ class Identification(Shown):
 
     Examples
     --------
-    >>> found = identify("configs/free_rocking.csv", "block:0.5x2")[0]
-    >>> print(found.lines[-2].partition("  #")[0])
-    inset: 25.02 mm +- 0.10 mm
+    >>> blows = Trace("blows", "impact", [0.0, 0.9, 1.62, 2.25, 2.81, 3.32, 3.79])
+    >>> found = identify(blows, "block:0.5x2")[0]
+    >>> print(found.lines[-1])
+    restitution: 0.9224 +- 0.0081  # momentum: 0.912
     >>> [round(found.row[key], 3) for key in ("eta", "eta_low", "eta_high")]
-    [0.914, 0.909, 0.919]
+    [0.922, 0.9, 0.945]
     """
 
     row: Mapping[str, Any]

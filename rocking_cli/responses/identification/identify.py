@@ -19,6 +19,7 @@ from .first_look import (
     Release,
     noise_of,
     releases_of,
+    require_samples,
     sign_changes,
     too_few,
     unfolded,
@@ -168,11 +169,12 @@ def identify(
 def _of_trace(trace: Trace, wanted: Wanted) -> list[Identification]:
     """Return what each release of a trace tells."""
     y, body = trace.y, wanted.body
+    if trace.quantity == IMPACT:
+        return [_of_impact_times(trace, wanted)]
+    require_samples(trace)
     if trace.quantity == "acceleration":
         times = sign_changes(trace.t, y)
         return [_of_impact_times(Trace(trace.name, IMPACT, times), wanted)]
-    if trace.quantity == IMPACT:
-        return [_of_impact_times(trace, wanted)]
     if trace.quantity == "displacement":
         if wanted.height is None:
             raise UsageError(
