@@ -18,8 +18,6 @@ from pathlib import Path
 from types import ModuleType
 
 import click
-import pdoc.doc
-import pdoc.render
 
 import rocking_cli
 from rocking_cli.commands import COMMANDS, cli
@@ -146,6 +144,9 @@ def first_page(pages: dict[str, str]) -> str:
 
 def main(folder: Path) -> None:
     """Write a file of HTML for the package and for each page, and an index."""
+    import pdoc.doc
+    import pdoc.render
+
     folder.mkdir(parents=True, exist_ok=True)
     texts = {
         **{f"tutorial_{name}": tutorial(name) for name in TUTORIALS},

@@ -21,17 +21,9 @@ _LOW = 0.5  # if the one before is smaller than this share of the first one
 _SQUARE = 0.15  # of the range of a square wave: less is no side of it
 _FINEST = 1e-5  # of the range: no trace is less noisy
 _SIGMAS = 6.0  # peaks below so many noises are left out
-# five samples times it: the parabola of least squares at each of them
-_PARABOLA = np.array(
-    [
-        [31.0, 9.0, -3.0, -5.0, 3.0],
-        [9.0, 13.0, 12.0, 6.0, -5.0],
-        [-3.0, 12.0, 17.0, 12.0, -3.0],
-        [-5.0, 6.0, 12.0, 13.0, 9.0],
-        [3.0, -5.0, -3.0, 9.0, 31.0],
-    ]
-)
-_PARABOLA /= 35.0
+_POWERS = np.vander(np.arange(5.0), 3)
+# times five samples: their parabola of least squares at each of them
+_PARABOLA = _POWERS @ np.linalg.pinv(_POWERS)
 
 
 @dataclass(frozen=True)
