@@ -88,8 +88,8 @@ class PlotOptions:
     units,
 )
 def plot(
-    files: tuple[Path, ...] = argument(
-        nargs=-1, required=True, type=click.Path(path_type=Path), metavar="FILE..."
+    files: tuple[str, ...] = argument(
+        nargs=-1, required=True, type=InputPath(), metavar="FILE..."
     ),
     wanted: PlotOptions = group(PlotOptions),
     looks: options.Looks = group(options.Looks),
@@ -106,9 +106,10 @@ def plot(
     carry units: g and Hz unless --units says otherwise. Figures need matplotlib: pip
     install matplotlib.
     """
-    _refuse_contradictions(files, wanted)
+    paths = tuple(map(Path, files))
+    _refuse_contradictions(paths, wanted)
     if wanted.text:
-        _put_map(files[0], wanted)
+        _put_map(paths[0], wanted)
         return
     look = looks.look()
     document = (
@@ -116,17 +117,17 @@ def plot(
         if wanted.body is None
         else options.documents_of((wanted.body,), 1, "a response")[0]
     )
-    _check_targets(files[0], wanted, overwrite)
+    _check_targets(paths[0], wanted, overwrite)
     if wanted.animate is not None:
         from ..reports.figures.animation import animate
         from ..reports.rows import rows_of
 
-        rows = rows_of(str(files[0]))
+        rows = rows_of(str(paths[0]))
         animate(
             rows, wanted.animate, document, look=look, overwrite=overwrite, tell=note
         )
     if wanted.output is not None:
-        remark = _draw(files, wanted.output, wanted, document, look, overwrite)
+        remark = _draw(paths, wanted.output, wanted, document, look, overwrite)
         if isinstance(remark, str):
             note(remark)
 
