@@ -1,5 +1,6 @@
 """Records with a scale factor, each in its own time."""
 
+import hashlib
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -126,15 +127,20 @@ class Recording(Shown):
         return _motion(self)
 
     def identity(self) -> list[Any]:
-        """The data on which a result depends: label, hash of the file, component, dt
-        [s], unit in the file, factor, vertical motion, building.
+        """The data on which a result depends: label, hash of the samples (of one file
+        they differ with the column and the lines that are skipped), component, dt [s],
+        factor, vertical motion, building.
         """
         r, more = self.record, list[Any]()
+        samples = hashlib.sha256(np.ascontiguousarray(r.acceleration, "<f8").tobytes())
         if self.upwards is not None:
             more.append(self.upwards.identity())
         if self.building is not None:
             more.append({"building": self.building.identity()})
-        return [self.label, r.sha256, r.component, r.dt, r.unit, self.factor, *more]
+        return [
+            *(self.label, samples.hexdigest(), r.component, r.dt, self.factor),
+            *more,
+        ]
 
 
 @lru_cache(maxsize=2)

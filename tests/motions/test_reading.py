@@ -46,6 +46,15 @@ def labels(found):
     return [r.label for r in found]
 
 
+def test_another_column_and_other_skipped_lines_are_another_record(tmp_path):
+    """What was computed of one is not taken for the other, when a run goes on."""
+    path = tmp_path / "r.csv"
+    path.write_text("".join(f"0.{n},{n % 3 - 1},{n % 4 - 1.5}\n" for n in range(10)))
+    given = ({"column": "2"}, {"column": "3"}, {"column": "2", "skip": "2"})
+    found = [read_motions([str(path)], unit="m/s2", **one)[0] for one in given]
+    assert len({str(one.identity()) for one in found}) == 3
+
+
 def test_files_a_list_and_standard_input_name_the_same_set(folder, monkeypatch):
     by_name = read_motions(["a.AT2", "b.AT2"])
     assert labels(by_name) == ["a", "b"]
