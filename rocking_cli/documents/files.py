@@ -1,13 +1,15 @@
 """Reads the bytes of a file that a user names; `-` is standard input."""
 
+import io
 import os
 import select
 import stat
 import sys
-from collections.abc import Sequence
-from functools import lru_cache
+from collections.abc import Callable, Sequence
+from contextlib import nullcontext
+from functools import lru_cache, partial
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO
 
 from ..errors import DocumentError, UsageError
 
@@ -48,26 +50,53 @@ def read_bytes(path: str | Path) -> tuple[str, bytes]:
     """Return (source name, content) of a file. Raises UsageError (it cannot be read) or
     DocumentError (it is too large).
     """
-    source = STDIN if str(path) == "-" else str(path)
+    source, file = _opened(path)
+    return source, _content(source, file)
+
+
+def opener_of(path: str | Path) -> tuple[str, Callable[[], BinaryIO]]:
+    """Return (source name, a function that opens the file at its beginning). What can
+    be read only once, such as a pipe, is held in memory. Raises as `read_bytes` does.
+    """
+    source, file = _opened(path)
+    if source == STDIN or not stat.S_ISREG(os.fstat(file.fileno()).st_mode):
+        return source, partial(io.BytesIO, _content(source, file))
+    file.close()
+    return source, lambda: _opened(path)[1]
+
+
+def _opened(path: str | Path) -> tuple[str, BinaryIO]:
+    """Return (source name, open file). Raises UsageError."""
+    if str(path) == "-":
+        if sys.stdin is None:
+            raise UsageError("standard input is closed")
+        return STDIN, sys.stdin.buffer
     try:
-        if source == STDIN:
-            if sys.stdin is None:
-                raise UsageError("standard input is closed")
-            raw = sys.stdin.buffer.read(LARGEST + 1)
-            size = len(raw)
-        else:
-            with open(path, "rb", opener=_with_a_writer) as file:
-                size = os.fstat(file.fileno()).st_size
-                raw = b"" if size > LARGEST else file.read(LARGEST + 1)
+        return str(path), open(path, "rb", opener=_with_a_writer)
     except OSError as error:
-        raise UsageError(
-            f"{source}: cannot be read: {error.strerror or error}"
-        ) from None
+        raise _unreadable(str(path), error) from None
+
+
+def _content(source: str, file: BinaryIO) -> bytes:
+    """Return the content of an open file, and close it unless it is standard input.
+    Raises UsageError, DocumentError.
+    """
+    try:
+        with nullcontext() if source == STDIN else file:
+            size = 0 if source == STDIN else os.fstat(file.fileno()).st_size
+            raw = b"" if size > LARGEST else file.read(LARGEST + 1)
+    except OSError as error:
+        raise _unreadable(source, error) from None
     if max(size, len(raw)) > LARGEST:
         raise DocumentError(
             f"{source}: larger than {LARGEST >> 20} MiB, the limit of a file"
         )
-    return source, raw
+    return raw
+
+
+def _unreadable(source: str, error: OSError) -> UsageError:
+    """Return the error for a file that cannot be read."""
+    return UsageError(f"{source}: cannot be read: {error.strerror or error}")
 
 
 def _with_a_writer(path: str, flags: int) -> int:

@@ -11,10 +11,9 @@ from typing import TYPE_CHECKING
 from ..errors import DocumentError
 from .composition import DEEPEST, MOST_VALUES, Place, Value, unspaced
 from .document import Document
-from .files import read_bytes
 from .quantities import with_a_point
 from .table import ITEM, Cell, Faulty, rows_of_structures, text_of_row
-from .texts import text_of
+from .texts import Text, text_at, text_of
 
 if TYPE_CHECKING:
     import yaml
@@ -25,8 +24,7 @@ def documents_in(path: str | Path, faulty: Faulty | None = None) -> Iterator[Doc
     input; faulty: as of `each_document`. Raises UsageError (no such file) or
     DocumentError.
     """
-    source, raw = read_bytes(path)
-    return each_document(text_of(source, raw), source, faulty)
+    return each_document(text_at(path), faulty)
 
 
 def documents_of(source: str, raw: bytes) -> list[Document]:
@@ -60,20 +58,20 @@ def parse_documents(text: str, source: str = "<text>") -> list[Document]:
     >>> [document.values["kind"].content for document in documents]
     ['block', 'arch']
     """
-    return list(each_document(text, source))
+    return list(each_document(Text.of(text, source)))
 
 
-def each_document(
-    text: str, source: str, faulty: Faulty | None = None
-) -> Iterator[Document]:
+def each_document(text: Text, faulty: Faulty | None = None) -> Iterator[Document]:
     """Yield the documents of a text one by one, so that a caller who drops them holds
     one row of a table. faulty: called with the fault of each row of a table that is
     left out; without it the first one is raised. Raises DocumentError, as
     `parse_documents` does.
     """
-    rows = rows_of_structures(text, source, faulty)
+    rows, source = rows_of_structures(text, faulty), text.source
     documents = (
-        _of_nodes(text, source) if rows is None else _of_rows(rows, source, faulty)
+        _of_nodes(text.whole(), source)
+        if rows is None
+        else _of_rows(rows, source, faulty)
     )
     if (first := next(documents, None)) is None:
         raise DocumentError(

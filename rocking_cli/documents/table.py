@@ -11,21 +11,19 @@ that begins with a bracket is a YAML list, an empty cell means no key.
 """
 
 import csv
-import io
 import json
 import re
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
-from itertools import pairwise
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from itertools import islice, pairwise
 from pathlib import Path
 from typing import NamedTuple
 
 from ..errors import DocumentError, did_you_mean
 from .composition import Place
-from .files import read_bytes
 from .quantities import FACTORS, split_quantity
 from .spreads import has_no_unit, in_unit, is_spread
-from .texts import refuse_binary, text_of
+from .texts import Text, text_at
 
 KIND = "kind"  # only a table of structures has this column
 BLANKS = (  # the separator of columns that have blanks between them, any number of them
@@ -39,7 +37,6 @@ _COMMENT = re.compile(r"[ \t]*(?:\"?#[^\r\n]*)?(?:\r\n|\r|\n)")
 _LINE = re.compile(r"[^\r\n]{0,10000}")
 _TWO_LINES = re.compile(r"([^\r\n]*)(?:\r\n|\r|\n)?([^\r\n]*)")
 _LINE_END = re.compile(r"\r\n|\r|\n")
-_LONGEST = 64 << 20  # characters of a table of structures
 _LONGEST_HEADING = 100_000  # characters
 _LONGEST_TITLE = 10_000  # characters
 _KEY = re.compile(r"[a-z_]+:")  # that of a YAML document
@@ -60,6 +57,7 @@ _DECIMAL_POINT = re.compile(r"[+-]?\d*\.\d+(?:[eE][+-]?\d+)?\s*([^\s\d,.].*)?")
 _GROUPED = re.compile(r"[+-]?[1-9]\d{0,2}[.,]\d{3}(?!\d).*")
 
 
+_Number = tuple[int, int, str]  # line, column and text of a cell
 # called with the fault of a row of a table of structures that is left out
 Faulty = Callable[[DocumentError], None]
 
@@ -74,21 +72,25 @@ class Cell(NamedTuple):
     unit: str = ""  # of the heading
 
 
+class Row(NamedTuple):
+    """A row that is not blank; it may lack cells, or have more than the heading."""
+
+    line: int  # in the file
+    cells: list[str]  # without blanks around them, numbers with decimal points
+    written: list[str]  # before decimal commas became points
+
+
 @dataclass(frozen=True)
 class Table:
-    """A table as it is written: texts without blanks around them, numbers with decimal
-    points.
+    """A table as it is written. Its rows are read anew each time, so that a table may
+    be larger than the memory.
     """
 
     source: str  # the file
     line: int  # that of the heading
     headings: list[str]  # one for each column
-    # line and cells of each row that is not blank; it may lack cells, or have more than
-    # the heading
-    rows: list[tuple[int, list[str]]]
-    # the cells of each row before decimal commas became points
-    written: list[list[str]]
     comments: str  # the lines above the heading
+    read: Callable[[], Iterator[Row]]  # yields the rows
 
     def place(self, line: int, column: int = 0) -> Place:
         """Return the place of a cell; column: its number from 0."""
@@ -98,7 +100,7 @@ class Table:
         """Yield line and cells of each row. Raises DocumentError for a row of another
         number of cells than the heading.
         """
-        for line, cells in self.rows:
+        for line, cells, _ in self.read():
             if len(cells) != len(self.headings):
                 raise self.uneven(line, cells)
             yield line, cells
@@ -124,44 +126,57 @@ def read_table(path: str | Path) -> Table:
     """Return the table of a file; `-` is standard input. Raises UsageError for a file
     that cannot be read, and DocumentError.
     """
-    source, raw = read_bytes(path)
-    return table_of(text_of(source, raw), source)
+    return _table_of(text_at(path))
 
 
 def table_of(text: str, source: str) -> Table:
     """Return the table of a text, without headings if it is empty. Raises DocumentError
     for one that is not valid CSV.
     """
-    start, separator = _heading_of(text)
-    first = 1 + len(_LINE_END.findall(text, 0, start))
-    refuse_binary(source, text)
-    lines = _split(text[start:], separator, source, first)
-    if not lines:
-        return Table(source, first, [], [], [], text[:start])
-    (line, headings), *rows = _without_empty_columns(lines)
-    written = [cells for _, cells in rows]
-    table = Table(source, line, headings, rows, written, text[:start])
-    return table if separator == "," else _with_points(table)
+    return _table_of(Text.of(text, source))
 
 
-def _without_empty_columns(
-    lines: list[tuple[int, list[str]]],
-) -> list[tuple[int, list[str]]]:
-    """Return the rows without the columns that are empty, heading and all, as
-    spreadsheets write them.
+def _table_of(text: Text) -> Table:
+    """Return the table of a text, of which every row has been read once: it is valid
+    CSV and has one decimal mark. Raises DocumentError.
     """
-    width = max(len(cells) for _, cells in lines)
-    empty = set(range(width)) - {i for i, heading in enumerate(lines[0][1]) if heading}
-    for _, cells in lines[1:] if empty else ():
-        empty -= {i for i, cell in enumerate(cells) if cell}
-    return (
-        [
-            (line, [cell for i, cell in enumerate(cells) if i not in empty])
-            for line, cells in lines
-        ]
-        if empty
-        else lines
-    )
+    start, separator = _heading_of(text.head)
+    comments = text.head[:start]
+    first = 1 + len(_LINE_END.findall(comments))
+
+    def lines() -> Iterator[tuple[int, list[str]]]:
+        return _split(text.lines(start, first), separator, text.source, first)
+
+    (line, headings), *_ = [*islice(lines(), 1), (first, list[str]())]
+    used = {i for i, heading in enumerate(headings) if heading}
+    marks = _DecimalMarks()
+    for at, cells in islice(lines(), 1, None):
+        # a spreadsheet writes columns that are empty, heading and all
+        if len(used) < len(headings) or len(cells) > len(headings):
+            used |= {i for i, cell in enumerate(cells) if cell}
+        if separator != ",":
+            marks.add(at, cells)
+    width = 1 + max(used, default=-1)
+    kept = None if len(used) == width else sorted(used)
+
+    def read() -> Iterator[Row]:
+        for at, cells in islice(lines(), 1, None):
+            written = cells[:width]
+            if kept is not None:
+                written = [cells[i] for i in kept if i < len(cells)]
+            pointed = written if separator == "," else [*map(_with_point, written)]
+            yield Row(at, pointed, written)
+
+    own = [headings[i] for i in sorted(used) if i < len(headings)]
+    table = Table(text.source, line, own, comments, read)
+    if doubt := marks.doubt():
+        (at, column, cell), other = doubt
+        raise DocumentError(
+            f"{table.place(at, sorted(used).index(column))}: found {cell} beside"
+            f" {other}, so that {cell} may be a thousand and some; expected one decimal"
+            " mark in all rows"
+        )
+    return table
 
 
 def _heading_of(text: str) -> tuple[int, str]:
@@ -182,80 +197,77 @@ def _heading_of(text: str) -> tuple[int, str]:
 
 
 def _split(
-    text: str, separator: str, source: str, first: int
-) -> list[tuple[int, list[str]]]:
-    """Return the line and the cells of each row that is not blank; first: the line of
-    the text in its file.
+    lines: Iterable[str], separator: str, source: str, first: int
+) -> Iterator[tuple[int, list[str]]]:
+    """Yield the line and the cells of each row that is not blank; first: the line of
+    the file with which the lines begin. Raises DocumentError.
     """
     if separator == BLANKS:
-        lines = enumerate(_LINE_END.split(text), first)
-        return [
-            (at, [cell.strip('"') for cell in _IN_BLANKS.findall(line)])
-            for at, line in lines
-            if line.strip()
-        ]
+        for at, line in enumerate(lines, first):
+            if line.strip():
+                yield at, [cell.strip('"') for cell in _IN_BLANKS.findall(line)]
+        return
     reader = csv.reader(
-        io.StringIO(text, newline=""),
-        delimiter=separator,
-        skipinitialspace=separator != "\t",
-        strict=True,
+        lines, delimiter=separator, skipinitialspace=separator != "\t", strict=True
     )
-    found, line = [], first
+    line = first
     try:
         for row in reader:
             at, line = line, first + reader.line_num
-            if any(cell.strip() for cell in row):
-                found.append((at, [cell.strip() for cell in row]))
+            cells = [cell.strip() for cell in row]
+            if any(cells):
+                yield at, cells
     except csv.Error as error:
         raise DocumentError(
             f"{Place(source, line, 1)}: not valid CSV: {error}"
         ) from None
-    return found
 
 
-def _with_points(table: Table) -> Table:
-    """Return a table, whose commas separate no columns, with decimal points for decimal
-    commas. Raises DocumentError for a number that may be a thousand and some: 1.234
-    beside decimal commas, or 1,234 beside points if every comma stands so.
+class _DecimalMarks:
+    """The decimal marks of a table whose commas separate no columns. A number may be a
+    thousand and some: 1.234 beside decimal commas, or 1,234 beside points if every
+    comma stands so.
     """
-    cells = [(line, i, cell) for line, row in table.rows for i, cell in enumerate(row)]
-    commas = [
-        (line, i, cell)
-        for line, i, cell in cells
-        if "," in cell and _DECIMAL_COMMA.fullmatch(cell)
-    ]
-    if not commas:
-        return table
-    columns = {i for _, i, _ in commas}
-    points = [
-        (line, i, cell)
-        for line, i, cell in cells
-        if "." in cell
-        and (number := _DECIMAL_POINT.fullmatch(cell))
-        and (number[1] is None or number[1] in FACTORS)  # 2.1 may also begin a name
-    ]
-    doubtful = [one for one in points if _GROUPED.fullmatch(one[2])]
-    if points and all(_GROUPED.fullmatch(cell) for *_, cell in commas):
-        doubtful += commas
-    for line, i, cell in doubtful[:1]:
-        other = (commas if "." in cell else points)[0][2]
-        raise DocumentError(
-            f"{table.place(line, i)}: found {cell} beside {other}, so that {cell} may"
-            " be a thousand and some; expected one decimal mark in all rows"
-        )
 
-    def pointed(i: int, cell: str) -> str:
-        return (
-            cell.replace(",", ".", 1)
-            if i in columns and _DECIMAL_COMMA.fullmatch(cell)
-            else cell
-        )
+    def __init__(self) -> None:
+        # (line, column, text) of the first number with a comma, with a point, and with
+        # a point that may stand behind thousands
+        self.comma: _Number | None = None
+        self.point: _Number | None = None
+        self.grouped: _Number | None = None
+        self.only_grouped = True  # True while every comma may stand behind thousands
 
-    rows = [
-        (line, [pointed(i, cell) for i, cell in enumerate(row)])
-        for line, row in table.rows
-    ]
-    return replace(table, rows=rows)
+    def add(self, line: int, cells: Sequence[str]) -> None:
+        """Look at the cells of a row."""
+        for i, cell in enumerate(cells):
+            if "," in cell and _DECIMAL_COMMA.fullmatch(cell):
+                self.comma = self.comma or (line, i, cell)
+                self.only_grouped &= bool(_GROUPED.fullmatch(cell))
+            elif (
+                "." in cell
+                and (number := _DECIMAL_POINT.fullmatch(cell))
+                # 2.1 may also begin a name
+                and (number[1] is None or number[1] in FACTORS)
+            ):
+                self.point = self.point or (line, i, cell)
+                if self.grouped is None and _GROUPED.fullmatch(cell):
+                    self.grouped = line, i, cell
+
+    def doubt(self) -> tuple[_Number, str] | None:
+        """Return the number that may be a thousand and some, and the text of one with
+        another mark; None without one.
+        """
+        if self.comma is None or self.point is None:
+            return None
+        if self.grouped is not None:
+            return self.grouped, self.comma[2]
+        return (self.comma, self.point[2]) if self.only_grouped else None
+
+
+def _with_point(cell: str) -> str:
+    """Return the text of a cell with a decimal point for a decimal comma."""
+    decimal = "," in cell and _DECIMAL_COMMA.fullmatch(cell)
+    return cell.replace(",", ".", 1) if decimal else cell
 
 
 def split_heading(heading: str) -> tuple[str, str]:
@@ -327,14 +339,15 @@ def named_rows(path: str | Path) -> tuple[list[str], list[tuple[int, dict[str, s
 
 
 def rows_of_structures(
-    text: str, source: str, faulty: Faulty | None = None
+    text: Text, faulty: Faulty | None = None
 ) -> Iterator[list[Cell]] | None:
     """Return the rows of a table of structures, None for a text that is no table;
-    faulty: as of `rows_of`. Raises DocumentError without a column `kind`, or with lines
-    above the heading.
+    faulty: as of `rows_of`. Raises DocumentError without a column `kind`, or with
+    lines above the heading.
     """
-    start, separator = _heading_of(text)
-    lines = _TWO_LINES.match(text, start)
+    head, source = text.head, text.source
+    start, separator = _heading_of(head)
+    lines = _TWO_LINES.match(head, start)
     first, second = lines.groups() if lines else ("", "")
     if len(first) > _LONGEST_HEADING and KIND not in first[:10_000]:
         return None
@@ -343,8 +356,8 @@ def rows_of_structures(
         cells = _fields(second, separator)
         if separator == BLANKS and len(cells) < 2:
             return None
-        return rows_of(text, source, faulty)
-    _require_the_heading_first(text, start, source)
+        return rows_of(text, faulty)
+    _require_the_heading_first(head, start, source)
     if (
         len(names) > 1
         and separator != BLANKS
@@ -401,20 +414,14 @@ def _fields(line: str, separator: str) -> list[str]:
     return line.split() if separator == BLANKS else line.split(separator)
 
 
-def rows_of(
-    text: str, source: str, faulty: Faulty | None = None
-) -> Iterator[list[Cell]]:
+def rows_of(text: Text, faulty: Faulty | None = None) -> Iterator[list[Cell]]:
     """Yield the non-empty cells of each row of a table of structures. A row with more
     cells than the heading is left out and told to `faulty`, without which it raises
     DocumentError. Raises DocumentError.
     """
-    if len(text) > _LONGEST:
-        raise DocumentError(
-            f"{source}: longer than {_LONGEST >> 20} MiB, the limit of a table"
-        )
-    table = table_of(text, source)
+    table = _table_of(text)
     columns = columns_of(table)
-    for (line, cells), written in zip(table.rows, table.written, strict=True):
+    for line, cells, written in table.read():
         if len(cells) > len(columns):
             fault = table.uneven(line, cells)
             if faulty is None:

@@ -172,11 +172,11 @@ def _row_of(table: Table, site: str | None) -> tuple[int, Sequence[str]]:
     """Return (line, cells) of the one row of a site. Raises UsageError if there is none
     or several.
     """
-    rows = list(table.full_rows())
+    every = rows = list(table.full_rows())
     if site is not None:
         rows = [
             (line, row)
-            for line, row in rows
+            for line, row in every
             if _is_at(
                 f"{table.source}, line {line}",
                 site,
@@ -187,7 +187,7 @@ def _row_of(table: Table, site: str | None) -> tuple[int, Sequence[str]]:
         return rows[0]
     wanted = (
         "one, named by `site` as LON,LAT"
-        if len(table.rows) > 1
+        if len(every) > 1
         else "a row of longitude, latitude, depth and probabilities"
     )
     raise UsageError(

@@ -15,10 +15,10 @@ from typing import Any, Self
 import numpy as np
 
 from ..arrays import Array
-from ..documents.files import named_after, read_bytes
+from ..documents.files import named_after
 from ..documents.quantities import quantity_at, split_quantity
 from ..documents.table import Cell, rows_of
-from ..documents.texts import text_of
+from ..documents.texts import text_at
 from ..errors import DocumentError, UsageError, counted
 from ..showing import Shown
 from .blocks import largest
@@ -288,11 +288,10 @@ def read_spectrum(path: str | Path) -> SpectrumFile:
     >>> round(read_spectrum("site.csv").pga, 3)
     1.962
     """
-    source, raw = read_bytes(path)
-    text = text_of(source, raw)
+    text = text_at(path)
     periods: list[float] = []
     values: list[float] = []
-    for cells in rows_of(text, source):
+    for cells in rows_of(text):
         row = {cell.key: cell for cell in cells}
         levels = [row[key] for key in _LEVELS if key in row]
         if len(levels) > 1:
@@ -327,8 +326,8 @@ def read_spectrum(path: str | Path) -> SpectrumFile:
             )
     if len(periods) < 2:
         raise DocumentError(
-            f"{source}: found {counted(len(periods), 'point')} of a spectrum; expected"
-            " two or more"
+            f"{text.source}: found {counted(len(periods), 'point')} of a spectrum;"
+            " expected two or more"
         )
     if periods[0] > _FIRST:
         wanted = (
@@ -336,9 +335,9 @@ def read_spectrum(path: str | Path) -> SpectrumFile:
             " acceleration"
         )
         raise DocumentError(
-            f"{source}: found the first period {periods[0]:g} s; expected {wanted}"
+            f"{text.source}: found the first period {periods[0]:g} s; expected {wanted}"
         )
-    return SpectrumFile(named_after(source), np.array(periods), np.array(values))
+    return SpectrumFile(named_after(text.source), np.array(periods), np.array(values))
 
 
 def _fault(cell: Cell, wanted: str, lacks: str = "") -> DocumentError:

@@ -12,6 +12,7 @@ from support.refusals import refuses
 
 from rocking_cli import DocumentError, build_structure, parse_documents
 from rocking_cli.documents.table import rows_of_structures
+from rocking_cli.documents.texts import Text
 
 HEAD = [
     "name",
@@ -129,7 +130,7 @@ OTHERS = [
 
 @pytest.mark.parametrize("text", OTHERS)
 def test_other_texts_are_no_tables(text):
-    assert rows_of_structures(text, "f.csv") is None
+    assert rows_of_structures(Text.of(text, "f.csv")) is None
 
 
 def test_items_may_come_in_any_order_of_columns():

@@ -149,7 +149,7 @@ def _trace_of(table: Table, column: str | None) -> Trace:
         )
     times = _column(table, found[0] if quantity == IMPACT else 0, IMPACT)
     y = np.empty(0) if quantity == IMPACT else _column(table, found[0], quantity)
-    lines = np.array([line for line, _ in table.rows])
+    lines = np.array([row.line for row in table.read()])
     return Trace(Path(table.source).name, quantity, times, y, lines)
 
 
