@@ -361,26 +361,29 @@ def each_document(files: tuple[str, ...]) -> Iterator[Any]:
 
 
 def introduced(
-    structures: Iterable[RockingParameters],
+    structures: Iterable[RockingParameters], in_rows: bool = False
 ) -> Iterator[RockingParameters]:
-    """Yield the structures of a call, and keep their labels for the rows of the output.
-    Behind the last one print what is to be said of them: remarks on their numbers, and
-    the labels that tables have beside them.
+    """Yield the structures of a call, and keep their labels for the rows of the output;
+    in_rows: as of `keep_labels`. Behind the last one print what is to be said of them:
+    remarks on their numbers, and the labels that tables have beside them.
     """
     from ..reports.plausibility import structure_remarks
 
     remarks: list[str] = []
+    more = 0
     spread: dict[str, None] = {}  # keys
     names: dict[str, None] = {}  # of labels
     for structure in structures:
-        remarks += structure_remarks(structure)
+        for remark in structure_remarks(structure):
+            more += len(remarks) == _REMARKS
+            remarks += [remark][: _REMARKS - len(remarks)]
         if structure.drawn_from:
             spread |= dict.fromkeys(structure.drawn_from.uncertain)
         if structure.labels:
-            keep_labels([structure])
+            keep_labels([structure], in_rows)
             names |= dict.fromkeys(structure.labels)
         yield structure
-    _tell_remarks(remarks)
+    _tell_remarks(remarks, more)
     note_spreads(spread)
     if names:
         shown = ", ".join(names)
@@ -416,13 +419,13 @@ def remark_on(grid: Grid | None = None, spans: str = "") -> None:
     from ..reports.plausibility import bare_remarks, grid_remarks, span_remarks
 
     remarks = [] if grid is None else list(grid_remarks(grid))
-    _tell_remarks([*remarks, *span_remarks(spans), *bare_remarks(spans)])
+    remarks += [*span_remarks(spans), *bare_remarks(spans)]
+    _tell_remarks(remarks[:_REMARKS], len(remarks) - _REMARKS)
 
 
-def _tell_remarks(remarks: Sequence[str]) -> None:
-    """Print the first three remarks, and the number of the others."""
-    more = len(remarks) - _REMARKS
-    note(*remarks[:_REMARKS], *([f"and {more} more such remarks"] if more > 0 else []))
+def _tell_remarks(remarks: Sequence[str], more: int) -> None:
+    """Print remarks, and the number of the others."""
+    note(*remarks, *([f"and {more} more such remarks"] if more > 0 else []))
 
 
 def check_target(

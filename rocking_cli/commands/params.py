@@ -5,19 +5,27 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Iterable, Iterator, Sequence
-from itertools import chain
 from typing import TYPE_CHECKING, Any
 
 from . import equations, options
 from .command import command, flag, group, option, refuse
 from .draws import Draws, require_spreads
-from .printing import asks_columns, detail, emit, form, keep_labels, printed
+from .printing import (
+    asks_columns,
+    detail,
+    emit,
+    form,
+    keep_labels,
+    printed,
+    wants_details,
+)
 from .progress import ProgressLine
 
 if TYPE_CHECKING:
     from ..documents.document import Document
     from ..structures.family import Variation
 
+_HELD = 1 << 22  # bytes of rows that wait in memory
 # columns of a table without --details; the last two are those of a held wall
 SHOWN = (
     *("name", "p", "alpha", "eta", "lambda", "a_scale"),
@@ -82,9 +90,7 @@ def params(
     if not variations:
         early: list[str] = []
         rows = _structure_rows(files, linear_uplift, early, details)
-        # a fault of the last document comes before the first row; a CSV waits for its
-        # header anyway
-        _print(rows if form() == "csv" else list(rows), sort)
+        _print(rows, sort)
         detail(*early)
         return
     documents = options.documents_of(files)
@@ -138,10 +144,14 @@ def _structure_rows(
     documents = options.each_document(files)
     built = with_distinct_names(options.sound(build_structure, documents))
     lifting = (equations.lifted(structure, uplift) for structure in built)
-    for s in options.introduced(lifting):
+    for s in options.introduced(lifting, in_rows=True):
         row = s.row()
         if shown is None:
-            if s.restraints is None and s.uplift > 1.01 * s.linear_uplift:
+            if (
+                wants_details()
+                and s.restraints is None
+                and s.uplift > 1.01 * s.linear_uplift
+            ):
                 early.append(
                     f"{s.name}: the linear equation lifts it at alpha/a_scale ="
                     f" {s.linear_uplift:.4g} g, the body at lambda = {s.uplift:.4g} g"
@@ -181,15 +191,39 @@ def _family_rows(
 
 
 def _print(rows: Iterable[dict[str, Any]], sort: str | None) -> None:
-    """Print rows; the header of a CSV has the columns of all of them."""
+    """Print rows when all are known: a fault of the last document comes before the
+    first row, and the header of a CSV has the columns of all rows. They wait in blocks
+    in a temporary file.
+    """
+    import pickle
+    from tempfile import SpooledTemporaryFile
+
+    columns: dict[str, None] = {}
+    with SpooledTemporaryFile(max_size=_HELD) as waiting:
+        for row in rows:
+            known = _flat(row) if form() == "csv" else row
+            columns |= dict.fromkeys(known)
+            pickle.dump(known, waiting)
+        count = waiting.tell()
+        waiting.seek(0)
+
+        def again() -> Iterator[dict[str, Any]]:
+            while waiting.tell() < count:
+                yield pickle.load(waiting)
+
+        if form() == "csv":
+            columns.pop("labels", None)
+            emit((columns | row for row in again()), sort=sort)
+        else:
+            emit(again(), sort=sort)
+
+
+def _flat(row: dict[str, Any]) -> dict[str, Any]:
+    """Return a row of CSV with a column for each number; the labels stay together."""
     from ..reports.tables import flat
 
-    if form() != "csv":
-        emit(rows, sort=sort)
-        return
-    flattened = [flat(row) for row in rows]
-    columns = dict.fromkeys(chain.from_iterable(flattened))
-    emit((columns | row for row in flattened), sort=sort)
+    labels = row.pop("labels", None)
+    return flat(row) | ({"labels": labels} if labels else {})
 
 
 def _rows(
@@ -206,8 +240,8 @@ def _rows(
     if form == "json":
         yield row
         return
-    # emit has the labels
-    for key in ("labels",) if varied is None else ("labels", *VARIED):
+    # emit has the labels of a family
+    for key in () if varied is None else ("labels", *VARIED):
         row.pop(key, None)
     sides = row.pop("sides", [])
     below: list[dict[str, Any]] = []
@@ -218,7 +252,7 @@ def _rows(
         if not details:
             below = []
             if not asks_columns():
-                row = {key: row[key] for key in SHOWN if key in row}
+                row = {key: row[key] for key in (*SHOWN, "labels") if key in row}
     # alpha of a block is both a varied key and a parameter
     if varied:
         row = {_apart(heading, row): x for heading, x in varied.items()} | row

@@ -184,15 +184,27 @@ def units_shown(table_units: str | None = None) -> "Units":
     return parse_units(str(table_units)) if tabular else Units()
 
 
-def keep_labels(structures: "Iterable[RockingParameters]") -> None:
-    """Keep the labels of structures by name: `emit` adds them to the rows of each."""
+def keep_labels(
+    structures: "Iterable[RockingParameters]", in_rows: bool = False
+) -> None:
+    """Keep the labels of structures by name: `emit` adds them to the rows of each.
+    in_rows: True if each row has them itself, in a column `labels`.
+    """
     meta = click.get_current_context().meta
     kept = meta.setdefault(f"{__name__}.labels", {})
     names = meta.setdefault(f"{__name__}.label_names", {})
     for structure in structures:
         if structure.labels:
-            kept[structure.name] = dict(structure.labels)
+            if not in_rows:
+                kept[structure.name] = dict(structure.labels)
             names |= dict.fromkeys(structure.labels)
+
+
+def _labels_of(row: Mapping[str, Any]) -> Mapping[str, str]:
+    """Return the labels of the structure of a row."""
+    kept: Mapping[str, Mapping[str, str]] = _kept("labels") or {}
+    own: Mapping[str, str] | None = row.get("labels")
+    return own or kept.get(str(row.get("structure", row.get("name"))), {})
 
 
 def _labelled(
@@ -203,11 +215,12 @@ def _labelled(
     column of the row is called label_NAME.
     """
     for row in rows:
-        kept: Mapping[str, Mapping[str, str]] = _kept("labels") or {}
-        mine = kept.get(str(row.get("structure", row.get("name"))), {})
+        mine = _labels_of(row)
         if form == "json" and not chosen:
             yield {**row, "labels": mine} if mine else row
             continue
+        if "labels" in row:
+            row = {key: x for key, x in row.items() if key != "labels"}
         named = {
             f"label_{name}" if name in row else name: mine.get(name)
             for name in _kept("label_names") or ()
@@ -264,9 +277,7 @@ def _asked(
         for key in row:
             if key.partition(" [")[0] == name:
                 return row[key]
-        labels: Mapping[str, Mapping[str, str]] = _kept("labels") or {}
-        own = labels.get(str(row.get("structure", row.get("name"))), {})
-        return own.get(name.removeprefix("label_"))
+        return _labels_of(row).get(name.removeprefix("label_"))
 
     def kept() -> Iterator[Mapping[str, Any]]:
         for i, row in enumerate(rows):
