@@ -101,10 +101,9 @@ class CheckOptions:
         metavar="overturning|slide=LENGTH",
     )
     output: Path | None = options.output(
-        "Draw the capacities, over a key with --vary: .png, .svg or .pdf."
+        "Draw the capacities, over a key with --vary: .png, .svg or .pdf; or write the"
+        " verdicts into .h5."
     )
-    overwrite: bool = options.overwrite()
-    workers: int | None = options.workers()
 
     @property
     def limit(self) -> Limit | None:
@@ -127,6 +126,7 @@ def check(
     of_code: CodeOptions = group(CodeOptions),
     wanted: CheckOptions = group(CheckOptions),
     drawn: Draws = group(Draws),
+    sweep: options.Sweep = group(options.Sweep),
 ) -> int:
     """Check which structures stand under a motion, and find the lowest amplitude that
     overturns each.
@@ -148,8 +148,13 @@ def check(
     from ..dynamics.outcome import Outcome
     from .check_demands import at_worst, opposite_outcomes, stated_demands
     from .check_rows import known_columns
+    from .check_table import is_table, write_table
 
+    to_table = is_table(wanted.output)
     stated = stated_demands(files, asked, wanted.vary, wanted.sign)
+    if to_table:
+        forces = len(stated.structures) < _LONG_TABLE
+        return write_table(stated.needed(False), wanted, sweep, forces)
     if drawn.draws is not None:
         require_spreads(stated.structures)
     most_slide = _slide_limit(wanted.fail_on, stated, drawn)
@@ -161,7 +166,7 @@ def check(
     known = known_columns(stated, wanted, by_code is not None, drawn.draws is not None)
     require_columns(known)
     if wanted.output is not None:
-        options.check_target(wanted.output, wanted.overwrite)
+        options.check_target(wanted.output, sweep.overwrite)
     if by_code and of_code.spectrum and not stated.shakes:
         refuse(
             "needs a motion: under --spectrum alone nothing is shaken",
@@ -169,22 +174,24 @@ def check(
             "sort",
             "inset_effect",
         )
-        by_code.alone(stated.structures, stated.varied, wanted.output, wanted.overwrite)
+        by_code.alone(stated.structures, stated.varied, wanted.output, sweep.overwrite)
         return 0
 
     demanded = stated.needed(by_code is not None)
-    demands = at_worst(demanded, wanted.limit, wanted.workers)
+    demands = at_worst(demanded, wanted.limit, sweep.workers)
     if by_code:
         demands.rows = by_code.dynamic(demands.rows)
     of_draws = DrawnRows(drawn, wanted.limit)
     if drawn.draws is not None and (ranged := demands.ranged):
         note_one_demand(ranged)
     rows: list[dict[str, Any]] = []
-    judged = _judge_and_print(demands, wanted, by_code, of_draws, rows, known)
-    if wanted.vary and wanted.output is not None and by_code is None:
-        options.draw_figure(rows, wanted.output, wanted.overwrite)
+    judged = _judge_and_print(
+        demands, wanted, sweep.workers, by_code, of_draws, rows, known
+    )
+    if wanted.output is not None and wanted.vary and by_code is None:
+        options.draw_figure(rows, wanted.output, sweep.overwrite)
     else:
-        _draw(judged, wanted, by_code, _in_g(asked))
+        _draw(judged, wanted.output, sweep.overwrite, by_code, _in_g(asked))
 
     opposite = opposite_outcomes(demands)
     demand.note_demand(demands.shakes)
@@ -249,6 +256,7 @@ def _slid_too_far(judged: list[Verdict], most: float | None) -> bool:
 def _judge_and_print(
     demands: Demands,
     wanted: CheckOptions,
+    workers: int | None,
     by_code: CodeRows | None,
     of_draws: DrawnRows,
     kept: list[dict[str, Any]],
@@ -267,7 +275,7 @@ def _judge_and_print(
             demands.rows,
             ranges=demands.ranges,
             a_max=wanted.limit,
-            workers=wanted.workers,
+            workers=workers,
             progress=ProgressLine("check", "checks"),
             forces=_forces_wanted(len(demands.rows)),
         ),
@@ -289,7 +297,9 @@ def _judge_and_print(
             judged.append(verdict)
             columns = by_code.columns(verdict, searched) if by_code else {}
             columns |= of_draws.columns(demanded)
-            kept.append(demands.varied.get(verdict.structure, {}) | verdict.row())
+            if wanted.vary and wanted.output is not None:
+                varied = demands.varied.get(verdict.structure, {})
+                kept.append(varied | verdict.row())
             yield row_of(verdict, columns, later)
         yield from by_code.others() if by_code else ()
 
@@ -321,21 +331,23 @@ def _forces_wanted(rows: int) -> bool:
 
 
 def _draw(
-    judged: list[Verdict], wanted: CheckOptions, by_code: CodeRows | None, in_g: bool
+    judged: list[Verdict],
+    output: Path | None,
+    overwrite: bool,
+    by_code: CodeRows | None,
+    in_g: bool,
 ) -> None:
     """Draw the capacities, or the capacity curves of the code, if the call has an
     output.
     """
-    if wanted.output is None:
+    if output is None:
         return
     if by_code:
-        by_code.draw(wanted.output, wanted.overwrite)
+        by_code.draw(output, overwrite)
         return
     from ..reports.figures.capacities import draw_capacities
 
-    draw_capacities(
-        judged, wanted.output, in_g=in_g, overwrite=wanted.overwrite, tell=note
-    )
+    draw_capacities(judged, output, in_g=in_g, overwrite=overwrite, tell=note)
 
 
 def _lines(

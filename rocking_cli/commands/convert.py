@@ -16,7 +16,7 @@ def convert(file: str = argument(type=InputPath())) -> None:
     """
     from ..spectra.file.reader import SpectraFile
 
-    with SpectraFile(file) as spectrum:
+    with SpectraFile(file, any_kind=True) as spectrum:
         if not spectrum.done.any():
             note(f"{file}: none of its cells is computed yet")
         emit(

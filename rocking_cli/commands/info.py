@@ -61,7 +61,7 @@ def info(
     damaged: list[str] = []
     rows: list[dict[str, Any]] = []
     for path in files:
-        with SpectraFile(path) as file:
+        with SpectraFile(path, any_kind=True) as file:
             if documents:
                 emit(_documents(file), form="json")
                 continue

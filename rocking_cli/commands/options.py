@@ -10,7 +10,7 @@ import shlex
 import sys
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -216,23 +216,37 @@ class Sweep:
 
 
 def structures_of(
-    files: tuple[str, ...], etas: tuple[float | None, ...] = (), each: bool = False
+    files: tuple[str, ...],
+    etas: tuple[float | None, ...] = (),
+    each: bool = False,
+    lean: bool = False,
 ) -> tuple[list[RockingParameters], str]:
     """Return (structures, texts): those of the documents in these files, and a
     dimensionless oscillator for each restitution; each: a stack is a structure for each
-    of its interfaces, see `on_each_interface`.
+    of its interfaces, see `on_each_interface`; lean: without texts, and without the
+    documents of structures that have no spread, to save memory.
     """
     from ..structures import build_structure, with_distinct_names
     from ..structures.parameters import dimensionless_oscillator
 
-    documents = [] if etas and not files else documents_of(files, each=each)
+    texts: list[str] = []
+
+    def structure_of(document: Any) -> RockingParameters:
+        built = build_structure(document)
+        if not lean:
+            texts.append(document.text)
+        elif built.drawn_from is None:
+            return replace(built, document=None)
+        return built
+
+    documents = iter([]) if etas and not files else each_document(files)
+    structures = list(sound(structure_of, _on_each(documents) if each else documents))
     if None in etas:
         raise click.UsageError("--eta block goes with --alpha")
-    structures = list(sound(build_structure, documents))
     oscillators = [dimensionless_oscillator(eta=eta) for eta in etas if eta is not None]
     found = list(introduced(with_distinct_names([*structures, *oscillators])))
     note_interfaces(found)
-    return found, "\n---\n".join(d.text for d in documents)
+    return found, "\n---\n".join(texts)
 
 
 def members_of(
@@ -246,7 +260,7 @@ def members_of(
     each: see `structures_of`. Members without a solution are reported and left out.
     """
     if not vary:
-        return structures_of(files, etas, each)[0], {}
+        return structures_of(files, etas, each, lean=True)[0], {}
     from ..documents.quantities import headed
     from ..structures import with_distinct_names
     from ..structures.family import family, members, parse_variation
@@ -305,16 +319,20 @@ def documents_of(
     """Return the structure documents of the files; each: see `structures_of`. Raises
     click.UsageError for more than `most`; place: what limits them, in words.
     """
-    from ..structures import on_each_interface
-
     found = list(each_document(files))
     if most is not None and len(found) > most:
         raise click.UsageError(
             f"found {len(found)} structures; expected at most {most} for {place}"
         )
-    if not each:
-        return found
-    return [one for several in sound(on_each_interface, found) for one in several]
+    return list(_on_each(found)) if each else found
+
+
+def _on_each(documents: Iterable[Any]) -> Iterator[Any]:
+    """Yield the documents of each interface of stacks, and others as they are."""
+    from ..structures import on_each_interface
+
+    for several in sound(on_each_interface, documents):
+        yield from several
 
 
 def sound(make: Callable[[Any], T], documents: Iterable[Any]) -> Iterator[T]:

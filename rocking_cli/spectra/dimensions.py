@@ -117,10 +117,15 @@ RECORDED = {
 """The lists of records."""
 
 VARIED = "varied_"  # prefix of the keys that families varied
+LABEL = "label_"  # prefix of the labels of a table
 
 ABOUT: dict[str, About] = {
     "structure": About("1", "name of the structure", dtype=_TEXT),
     "record": About("1", "name of the record", dtype=_TEXT),
+    "motion": About("1", "name of the motion", dtype=_TEXT),
+    "sign": About(
+        "1", "direction of the motion: as stated, or the opposite one", dtype=_TEXT
+    ),
     **{name: About(*about) for name, about in AXES.items()},
     **PARAMETERS,
     **EDGE_PARAMETERS,
@@ -142,6 +147,8 @@ class Frame:
 
     def about(self, name: str) -> About:
         """Return the attributes of a list in the file."""
+        if name.startswith(LABEL):
+            return About("1", name.removeprefix(LABEL), dtype=_TEXT)
         return (
             About(self.units[name], f"{name.removeprefix(VARIED)} as it was varied")
             if name in self.units
@@ -173,6 +180,11 @@ class Frame:
     def of_records(self) -> bool:
         """True for spectra of records."""
         return "record" in self.dimensions
+
+    @property
+    def of_verdicts(self) -> bool:
+        """True for a table of verdicts, which holds no spectra."""
+        return "sign" in self.dimensions
 
 
 def lists_of(
@@ -304,6 +316,36 @@ VARIABLES: dict[str, Variable] = {
 """A file has theta_ratio and outcome, and others on request, in this order; a chunk's
 checksum runs over them in the same order.
 """
+
+VERDICTS: dict[str, Variable] = {
+    **{
+        name: VARIABLES[name]
+        for name in ("theta_ratio", "outcome", "outcome_linear", "slide_max")
+    },
+    "capacity_demand": _real(
+        "lowest overturning amplitude over the demand",
+        "NaN where none up to searched_to overturns",
+    ),
+    "first_overturning_a": _real(
+        "lowest amplitude that overturns the body", units="m s-2"
+    ),
+    "searched_to": _real("largest amplitude of the search", units="m s-2"),
+    "safe_to": _real(
+        "end of the interval around the demand in which the body stands", units="m s-2"
+    ),
+    "uplift_a": _real("lowest amplitude that lifts the body", units="m s-2"),
+    "demand_a": _real("amplitude of the motion", units="m s-2"),
+    "falls_nearby": _real(
+        "share of the amplitudes up to 5 % above the lowest fall that overturns",
+        "NaN unless the body overturns in many narrow intervals",
+    ),
+    "top_displacement": _real("largest displacement of the top", units="m"),
+    "friction_needed": _real("friction that the base needs between impacts"),
+    "fz_min": _real("least vertical force over the weight"),
+}
+"""The variables of a table of verdicts, in the order of VARIABLES."""
+
+VARIABLES |= VERDICTS
 
 QUANTITIES: dict[str, tuple[str, ...]] = {
     "velocity_ratio": ("velocity_ratio",),

@@ -11,7 +11,7 @@ import math
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -24,6 +24,9 @@ from ..motions.grid import Grid
 from ..structures.friction import friction_that_slides
 from ..structures.parameters import RockingParameters
 from .dimensions import Frame, structure_lists, varied_units
+
+if TYPE_CHECKING:
+    from .verdicts import VerdictScene
 
 CellPlace = tuple[int, int, int]  # indices of a cell on the three dimensions
 
@@ -283,7 +286,9 @@ def require_finite(
         )
 
 
-def cut_into_units(scene: Scene, chunk: tuple[int, int]) -> Iterator[Unit]:
+def cut_into_units(
+    scene: "Scene | VerdictScene", chunk: tuple[int, int]
+) -> Iterator[Unit]:
     """Yield the units of work of a scene, row by row; chunk: (rows, columns)
     of a unit.
     """

@@ -3,7 +3,7 @@ or into memory.
 """
 
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from functools import partial
@@ -31,11 +31,12 @@ from .results import Spectrum, Summary
 from .scene import PulseScene, Scene, Unit, cut_into_units
 from .sweep_options import SweepOptions
 from .verification import Verification, default_check, validity
-from .work.jobs import CellValues, Job
+from .work.jobs import CellValues, Job, Report
 
 if TYPE_CHECKING:
     from .file.layout import FileLayout
     from .file.writer import SpectraWriter
+    from .verdicts import VerdictJob
 
 _MOST_UNITS = 1_000_000
 
@@ -222,10 +223,28 @@ def write_scene(
     `rocking help files`). Raises UsageError for a refused scene or output, OutputError
     when the file cannot be written or a worker process dies, Interrupted on Ctrl-C.
     """
-    from .file.writer import SpectraWriter
-
     options = options or SweepOptions()
     units, layout = _units_of(scene, options), _layout(scene, options)
+    with kept(path, layout, options) as writer:
+        summary = replace(
+            _run(scene, options, units, writer),
+            machine_differences=writer.machine_differences,
+            validity=validity(scene) if options.sample_validity else None,
+        )
+        writer.finish(summary.row())
+    return summary
+
+
+@contextmanager
+def kept(
+    path: str | Path, layout: "FileLayout", options: SweepOptions
+) -> Iterator["SpectraWriter"]:
+    """Context of the writer of a file, which keeps the finished chunks whatever
+    happens. Raises UsageError for a refused output, OutputError when the file cannot be
+    written, Interrupted on Ctrl-C.
+    """
+    from .file.writer import SpectraWriter
+
     with SpectraWriter(
         Path(path),
         layout,
@@ -234,24 +253,17 @@ def write_scene(
         strict=options.strict,
     ) as writer:
         try:
-            summary = _run(scene, options, units, writer)
+            yield writer
         except KeyboardInterrupt:
-            kept = int(writer.done.sum())
-            if not kept:
+            count = int(writer.done.sum())
+            if not count:
                 raise Interrupted(
                     "interrupted before the first chunk was done; nothing is kept"
                 ) from None
             raise Interrupted(
-                f"interrupted; {kept} of {writer.chunk_grid.size} chunks are kept in"
+                f"interrupted; {count} of {writer.chunk_grid.size} chunks are kept in"
                 f" {writer.part}; `resume` goes on"
             ) from None
-        summary = replace(
-            summary,
-            machine_differences=writer.machine_differences,
-            validity=validity(scene) if options.sample_validity else None,
-        )
-        writer.finish(summary.row())
-    return summary
 
 
 def _layout(scene: Scene, options: SweepOptions) -> "FileLayout":
@@ -307,7 +319,7 @@ def _run(
     their order.
     """
     began = time.perf_counter()
-    todo, resumed = _todo(units, options.shard, store.found)
+    todo, resumed = units_to_do(units, options.shard, store.found)
     workers = max(1, min(options.processes(scene), len(todo)))
     check = default_check(scene) if options.check is None else options.check
     verification = Verification(scene, check, options.chunk(scene), todo, len(units))
@@ -315,18 +327,15 @@ def _run(
 
     work, outcomes = Work(), resumed.copy()
     differences = np.zeros(len(Difference), dtype=np.int64)
-    with _crew(job, options, workers) as (run, at_once):
-        reports = chain.from_iterable(run(job.batches(verification.units, at_once)))
-        for done, unit in enumerate(verification.units, 1 + len(units) - len(todo)):
-            report = next(reports)
-            with deferred():
-                store.keep(unit, report.data)
+    with crew(job, options, workers) as (run, at_once):
+        batches = job.batches(verification.units, at_once)
+        for unit, report in in_turn(
+            run(batches), verification.units, store, options.progress, len(units)
+        ):
             verification.seen |= zip(unit.wanted, report.seen, strict=True)
             work += report.work
             outcomes += report.outcomes
             differences += report.differences
-            if options.progress:
-                options.progress(done, len(units))
         verification.ask(run)
     check_for_a_stop()
     # cells of other shards
@@ -361,7 +370,27 @@ def _by_flag(
     return {code.flag: int(counts[code]) for code in codes}
 
 
-def _todo(
+def in_turn(
+    batches: Iterable[list[Report]],
+    units: Sequence[Unit],
+    store: "_Arrays | SpectraWriter",
+    progress: Callable[[int, int], None] | None,
+    total: int,
+) -> Iterator[tuple[Unit, Report]]:
+    """Yield each unit with its report, whose data `store` has kept. batches: the
+    reports of the units, in their order; total: number of units of the scene.
+    """
+    reports = chain.from_iterable(batches)
+    for done, unit in enumerate(units, 1 + total - len(units)):
+        report = next(reports)
+        with deferred():
+            store.keep(unit, report.data)
+        yield unit, report
+        if progress:
+            progress(done, total)
+
+
+def units_to_do(
     units: Sequence[Unit],
     shard: tuple[int, int] | None,
     found: Callable[[Unit], np.ndarray | None],
@@ -377,8 +406,8 @@ def _todo(
 
 
 @contextmanager
-def _crew(
-    job: Job, options: SweepOptions, workers: int
+def crew(
+    job: "Job | VerdictJob", options: SweepOptions, workers: int
 ) -> Iterator[tuple[Runner, int]]:
     """Context of (a function from items to job(item) of each, in their order; the
     number of items computed at a time): by this process alone, others of this machine,

@@ -225,9 +225,10 @@ def packed_block(
     names: Sequence[str], chunk: tuple[int, ...], block: Mapping[str, np.ndarray]
 ) -> Packed:
     """Return the chunk that holds the variables of these names of a block, and its
-    conditions. Workers call this.
+    conditions, none of verdicts. Workers call this.
     """
-    conditions = Conditions.of(block["condition"]).packed()
+    known = block.get("condition")
+    conditions = b"" if known is None else Conditions.of(known).packed()
     return {name: pack(block[name], chunk) for name in names} | {CONDITIONS: conditions}
 
 

@@ -87,7 +87,9 @@ def merge(
     4
     """
     with ExitStack() as stack:
-        files = [stack.enter_context(SpectraFile(path)) for path in paths]
+        files = [
+            stack.enter_context(SpectraFile(path, any_kind=True)) for path in paths
+        ]
         _require_one_scene(files)
         machines = together([file.machines for file in files])
         if strict and unlike(machines):
@@ -135,7 +137,7 @@ def _layout(first: SpectraFile) -> FileLayout:
     """Return the layout of the whole file; it is of no shard."""
     kept = {
         key: first.attributes[key]
-        for key in ("history", "documents", "motion", "model", "tolerance")
+        for key in ("title", "history", "documents", "motion", "model", "tolerance")
         if key in first.attributes
     }
     chunk = first.chunk_grid.chunk[1:]
@@ -167,12 +169,15 @@ def _totals(files: Sequence[SpectraFile], outcomes: np.ndarray) -> dict[str, Any
             "largest_difference",
         )
     )
-    return {
-        "cells": int(outcomes.sum()),
-        "run_time": sum(run_time),
+    checks = {
         "check_time": sum(check_time),
         "checked_cells": sum(checked),
         "largest_difference": max(difference),
+    }
+    return {
+        "cells": int(outcomes.sum()),
+        "run_time": sum(run_time),
+        **({} if files[0].frame.of_verdicts else checks),
         **{f"cells_{o.flag}": int(outcomes[o]) for o in Outcome},
     }
 

@@ -89,7 +89,7 @@ def _require_whole(path: Path) -> None:
     from .reader import SpectraFile
 
     try:
-        with SpectraFile(path) as file:
+        with SpectraFile(path, any_kind=True) as file:
             if file.digest is None:
                 raise OutputError(f"{path}: is a partial file")
             if damaged := file.damaged_chunks():

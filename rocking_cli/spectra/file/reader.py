@@ -61,8 +61,9 @@ class SpectraFile(ExitStack[None]):
 
     `array` returns a whole variable, `block` a part of it, `cells` rows; `grid` and
     `motion` are those of a spectrum of a pulse. Every byte is checked by the digest or
-    a checksum. Raises UsageError if the file cannot be opened, and OutputError if it is
-    no spectra file or has changed.
+    a checksum. any_kind: True to open a table of verdicts too. Raises UsageError if the
+    file cannot be opened or holds verdicts, and OutputError if it is no spectra file or
+    has changed.
 
     Attributes
     ----------
@@ -85,7 +86,7 @@ class SpectraFile(ExitStack[None]):
     True (1, 2, 3)
     """
 
-    def __init__(self, path: str | Path) -> None:
+    def __init__(self, path: str | Path, *, any_kind: bool = False) -> None:
         super().__init__()
         self.path = Path(path)
         try:
@@ -106,6 +107,9 @@ class SpectraFile(ExitStack[None]):
                     f"{path}: is not a spectra file as this program wrote it: {found}"
                 ) from None
             raise
+        if self.frame.of_verdicts and not any_kind:
+            self.close()
+            raise UsageError(f"{path}: found a table of verdicts; expected spectra")
         self._arrays = lru_cache(8)(self._unpacked)  # chunks that are kept as arrays
 
     def _open(self, raw: io.FileIO) -> None:
@@ -176,7 +180,8 @@ class SpectraFile(ExitStack[None]):
         # places of the cells
         self.frame = Frame(dimensions, lists, varied_units(self.structures))
         # of a spectrum of a pulse
-        self._motion = None if self.frame.of_records else _motion(self.scene["motion"])
+        pulse = not (self.frame.of_records or self.frame.of_verdicts)
+        self._motion = _motion(self.scene["motion"]) if pulse else None
         self.names = tuple(name for name in VARIABLES if name in names)
         self.chunk_grid = ChunkGrid(self.frame.shape, outcome.chunks)
         for name in self.names:

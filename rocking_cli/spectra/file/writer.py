@@ -142,7 +142,7 @@ class SpectraWriter:
         """
         from .reader import SpectraFile
 
-        with SpectraFile(self.part) as before:
+        with SpectraFile(self.part, any_kind=True) as before:
             self._require_same(before, layout)
             machines = together([before.machines, self.machines])
             if strict and unlike(machines):

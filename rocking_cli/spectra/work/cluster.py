@@ -9,13 +9,16 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ...errors import OutputError, UsageError
 from ...plugins import require
 from ...processes import Runner, in_order
 from ..scene import Unit
 from .jobs import Item, Job
+
+if TYPE_CHECKING:
+    from ..verdicts import VerdictJob
 
 _AHEAD = 3  # batches under way for each of the cluster's threads
 # s for a scheduler to accept a connection, and to send its first bytes
@@ -27,7 +30,7 @@ _PATIENCE = 4.0  # s between messages about a missing worker
 
 @contextmanager
 def cluster(
-    job: Job, address: str, tell: Callable[[str], None] | None = None
+    job: "Job | VerdictJob", address: str, tell: Callable[[str], None] | None = None
 ) -> Iterator[tuple[Runner, int]]:
     """Context of (a function from items to job(item) of each, in their order,
     the number of threads of the cluster at `address`). Items of a lost worker run
@@ -59,7 +62,7 @@ def cluster(
     ) -> Any:
         units = item if isinstance(item, list) else [Unit(item[:1], *item[1:])]
         return client.submit(
-            Job.__call__,
+            type(job).__call__,
             replace(job, scene=job.scene.only(units)),
             item,
             pure=False,

@@ -13,8 +13,15 @@ from typing import Any
 
 from ... import __version__
 
-# packages whose code computes the values of a spectrum
-_COMPUTES = ("dynamics", "motions", "spectra", "structures")
+# packages whose code computes the values of a file
+_COMPUTES = (
+    "dynamics",
+    "envelopes",
+    "motions",
+    "responses",
+    "spectra",
+    "structures",
+)
 
 
 @cache
