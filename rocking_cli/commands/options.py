@@ -4,6 +4,7 @@ text and its time.
 
 from __future__ import annotations
 
+import itertools
 import os
 import re
 import shlex
@@ -219,23 +220,25 @@ def structures_of(
     files: tuple[str, ...],
     etas: tuple[float | None, ...] = (),
     each: bool = False,
-    lean: bool = False,
+    with_documents: int | None = None,
 ) -> tuple[list[RockingParameters], str]:
     """Return (structures, texts): those of the documents in these files, and a
     dimensionless oscillator for each restitution; each: a stack is a structure for each
-    of its interfaces, see `on_each_interface`; lean: without texts, and without the
-    documents of structures that have no spread, to save memory.
+    of its interfaces, see `on_each_interface`; with_documents: number of structures
+    that keep their documents, None for all; to save memory the others keep one only if
+    it has a spread, and there are no texts.
     """
     from ..structures import build_structure, with_distinct_names
     from ..structures.parameters import dimensionless_oscillator
 
     texts: list[str] = []
+    kept = itertools.count()
 
     def structure_of(document: Any) -> RockingParameters:
         built = build_structure(document)
-        if not lean:
+        if with_documents is None:
             texts.append(document.text)
-        elif built.drawn_from is None:
+        elif next(kept) >= with_documents and built.drawn_from is None:
             return replace(built, document=None)
         return built
 
@@ -260,7 +263,7 @@ def members_of(
     each: see `structures_of`. Members without a solution are reported and left out.
     """
     if not vary:
-        return structures_of(files, etas, each, lean=True)[0], {}
+        return structures_of(files, etas, each, with_documents=0)[0], {}
     from ..documents.quantities import headed
     from ..structures import with_distinct_names
     from ..structures.family import family, members, parse_variation

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from . import demand, options
 from .check import CodeOptions
@@ -16,7 +16,6 @@ from .printing import note, quiet
 from .progress import ProgressLine
 
 if TYPE_CHECKING:
-    from ..documents.document import Document
     from ..envelopes.amplitudes import Limit
     from ..reports.page import Asked
     from ..responses.verdict import Verdict
@@ -24,7 +23,7 @@ if TYPE_CHECKING:
     from .code_rows import CodeRows
 
 PAGES = (".html", ".htm")
-MOST = 12  # structures of a page
+MOST = 12  # structures with a section of their own; of more the page is a summary
 
 
 @dataclass(frozen=True)
@@ -50,6 +49,12 @@ class ReportOptions:
     )
     inset_effect: bool = options.inset_effect()
     sort: str | None = options.sort()
+    by: str | None = option(
+        "--by",
+        f"Of more than {MOST} structures: also a table by this label.",
+        metavar="COLUMN",
+    )
+    skip_faulty: bool = options.skip_faulty()
 
 
 @command(
@@ -75,16 +80,18 @@ def report(
     cells in which the linear equation is wrong, and fragility curves under records;
     with --code the verdicts of the code and the capacity curve; with --draws the share
     of the draws that falls, over the amplitude; then the documents, the command,
-    versions and hashes. It prints on A4, two structures a page. The page
-    needs jinja2 and matplotlib: pip install jinja2 matplotlib.
+    versions and hashes. It prints on A4, two structures a page. Of more than 12
+    structures it holds a histogram of the capacities and the 20 least ones; all rows
+    stand in a CSV file beside it. The page needs jinja2 and matplotlib: pip install
+    jinja2 matplotlib.
     """
     from ..dynamics.outcome import Outcome
     from ..envelopes.amplitudes import Limit
     from ..envelopes.intervals import A_MAX
     from ..reports.page import WRITTEN_WITH, write_page
+    from ..reports.page_of_many import beside_of, write_page_of_many
     from ..reports.page_sections import Subject
     from ..reports.wording import opposite_in_words, tally
-    from ..structures import build_structure, with_distinct_names
     from ..structures.mechanics.capacity_curve import require_geometry
     from .check_demands import at_worst, demands_on, opposite_outcomes
     from .check_remarks import worst_at_an_end
@@ -92,13 +99,20 @@ def report(
     options.check_target(wanted.output, overwrite, PAGES, packages=WRITTEN_WITH)
     by_code = of_code.rows(verdict_only=False)
     files, motions = asked.several(files)
-    documents: list[Document] = []
 
     def members() -> Members:
-        documents.extend(options.documents_of(files, MOST, "a page", each=True))
-        return list(with_distinct_names(map(build_structure, documents))), {}
+        return options.structures_of(files, each=True, with_documents=MOST)[0], {}
 
     stated = demands_on(members, asked, motions, sign)
+    if many := len(stated.structures) > MOST:
+        refuse(
+            f"goes with up to {MOST} structures: of more the page is a summary",
+            *("draws", "code", "summary", "inset_effect"),
+        )
+        beside = beside_of(wanted.output)
+        options.check_target(beside, overwrite, (beside.suffix,), packages=WRITTEN_WITH)
+    else:
+        refuse(f"goes with more than {MOST} structures", "by")
     alone = by_code is not None and bool(by_code.files) and not stated.shakes
     if alone:
         refuse(
@@ -114,27 +128,41 @@ def report(
         require_spreads(stated.structures)
     if by_code is not None:
         require_geometry(stated.structures)
-    list(options.introduced(stated.structures))
-    options.note_interfaces(stated.structures)
     limit = Limit(A_MAX)
     demands = at_worst(stated, limit, workers)
     opposite = cache(lambda: opposite_outcomes(demands))
-    verdicts = write_page(
-        [Subject(*pair) for pair in zip(documents, stated.structures, strict=True)],
-        demands.rows,
-        wanted.output,
-        _asked(demands, wanted, by_code, drawn),
-        demand=_in_words(demands, wanted.summary) if demands.shakes else "",
-        ranges=demands.ranges,
-        opposite=opposite,
-        remarks=lambda found: _remarks(found, demands, wanted, by_code, limit),
-        recordings=stated.shaken.recordings,
-        vertical=asked.vertical,
-        overwrite=overwrite,
-        workers=workers,
-        progress=ProgressLine("report", "checks"),
-        tell=_tell,
-    )
+    shared: dict[str, Any] = {
+        "demand": _in_words(demands, wanted.summary) if demands.shakes else "",
+        "ranges": demands.ranges,
+        "opposite": opposite,
+        "remarks": lambda found: _remarks(found, demands, wanted, by_code, limit),
+        "recordings": stated.shaken.recordings,
+        "overwrite": overwrite,
+        "workers": workers,
+        "progress": ProgressLine("report", "checks"),
+    }
+    said = _asked(demands, wanted, by_code, drawn)
+    if many:
+        verdicts = write_page_of_many(
+            stated.structures,
+            demands.rows,
+            wanted.output,
+            said,
+            a_max=limit,
+            inputs=[*files, asked.vertical or ""],
+            by=wanted.by,
+            **shared,
+        )
+    else:
+        verdicts = write_page(
+            [Subject(s.document, s) for s in stated.structures if s.document],
+            demands.rows,
+            wanted.output,
+            said,
+            vertical=asked.vertical,
+            tell=_tell,
+            **shared,
+        )
     if alone:
         return
     demand.note_demand(demands.shakes)

@@ -203,9 +203,9 @@ def _split(
     the file with which the lines begin. Raises DocumentError.
     """
     if separator == BLANKS:
-        for at, line in enumerate(lines, first):
-            if line.strip():
-                yield at, [cell.strip('"') for cell in _IN_BLANKS.findall(line)]
+        for at, text in enumerate(lines, first):
+            if text.strip():
+                yield at, [cell.strip('"') for cell in _IN_BLANKS.findall(text)]
         return
     reader = csv.reader(
         lines, delimiter=separator, skipinitialspace=separator != "\t", strict=True

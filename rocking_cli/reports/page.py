@@ -161,15 +161,15 @@ def page(
         for s in subjects
     }
     means = "Of the means, " * bool(drawn)
-    return _template().render(
+    return rendered(
+        asked,
         title=asked.title or f"Rocking of {_some(list(cases))}",
-        place=", ".join(filter(None, (asked.place, asked.author))),
         opposite=opposite,
         remarks=remarks,
         lead=f"{means}{tally(verdicts)}, {shaking}." if verdicts else "",
         code=_of_code(checks, asked.code or {}, labels) if checks else None,
         overview=_overview(cases, labels) if summary and verdicts else [],
-        verdicts=_details(verdicts, labels) if verdicts else [],
+        verdicts=details(verdicts, labels) if verdicts else [],
         capacities=(
             image(lambda figure: capacities(figure, verdicts, True))
             if verdicts
@@ -177,10 +177,7 @@ def page(
         ),
         structures=structures,
         draws=drawn,
-        command=asked.command,
-        made=asked.made,
-        versions=_versions(),
-        hashes=_hashes(subjects, recordings, [vertical or "", *asked.spectra]),
+        hashes=hashes(subjects, recordings, [vertical or "", *asked.spectra]),
     )
 
 
@@ -251,7 +248,7 @@ def _labelled(
     return {"structure": name, **own, **cells}
 
 
-def _details(
+def details(
     verdicts: Sequence[Verdict], labels: Mapping[str, Mapping[str, str]]
 ) -> list[dict[str, Any]]:
     """Return the rows of the table of verdicts; labels: of each structure."""
@@ -293,7 +290,7 @@ def _of_code(
                 said = one.check.sentence(key).removeprefix(f"{head}: ")
                 cells[f"{head}: verdict"] = said.partition(" (")[0]
                 cells[f"{head}: accepted over demand"] = ratios.get(key)
-        rows.append(_row(_labelled(cells, labels), falls=not one.verified))
+        rows.append(page_row(_labelled(cells, labels), falls=not one.verified))
     return {
         "lead": f"{'; '.join(verified_in_words(found))}. Demand: {demand}{floor},"
         f" confidence factor {code.get('confidence', 1.0):g}.",
@@ -316,6 +313,28 @@ def _by_capacity(
         sorted(subjects, key=lambda s: names.index(s.structure.name)),
         [verdicts[i] for i in order],
         [demands[i] for i in order] if demands else [],
+    )
+
+
+def rendered(asked: Asked, **values: Any) -> str:
+    """Return the page with these values of its template; what is not given is left
+    out.
+    """
+    left_out: dict[str, Any] = {
+        **dict.fromkeys(("opposite", "lead", "beside", "code", "capacities")),
+        **{key: [] for key in ("overview", "structures", "draws", "by", "remarks")},
+        "heading": "What stands and what falls",
+        "drawn": "Capacity over demand of each structure",
+    }
+    return _template().render(
+        left_out
+        | {
+            "place": ", ".join(filter(None, (asked.place, asked.author))),
+            "command": asked.command,
+            "made": asked.made,
+            "versions": _versions(),
+        }
+        | values
     )
 
 
@@ -478,7 +497,7 @@ def write_page(
     return found
 
 
-def _hashes(
+def hashes(
     subjects: Sequence[Subject], recordings: Sequence[Recording], others: Sequence[str]
 ) -> list[tuple[str, str]]:
     """Return (name, SHA-256) of each input: that of its file, or of the text of a
@@ -489,15 +508,14 @@ def _hashes(
         inputs[s.document.source] = (
             inputs.get(s.document.source, b"") + s.document.text.encode()
         )
-    inputs |= {
-        source: Path(source).read_bytes()
-        for source in (*inputs, *others)
-        if Path(source).is_file()
-    }
     found = {
         source: hashlib.sha256(content).hexdigest()
         for source, content in inputs.items()
     }
+    for source in (*inputs, *others):
+        if Path(source).is_file():
+            with open(source, "rb") as file:
+                found[source] = hashlib.file_digest(file, "sha256").hexdigest()
     return list(
         (found | {r.record.source: r.record.sha256 for r in recordings}).items()
     )
@@ -509,10 +527,10 @@ def _verdict_row(values: dict[str, str | float | None], v: Verdict) -> dict[str,
     """
     if v.capacity_above is not None:
         values["capacity over demand"] = Above(v.capacity_above)
-    return _row(values, v.falls)
+    return page_row(values, v.falls)
 
 
-def _row(values: Mapping[str, str | float | None], falls: bool) -> dict[str, Any]:
+def page_row(values: Mapping[str, str | float | None], falls: bool) -> dict[str, Any]:
     """Return the template's values for a row; falls: True for a red one."""
     cells = [
         {"head": head, "text": _cell(head, x), "number": not isinstance(x, str)}

@@ -64,10 +64,6 @@ class VerdictScene:
         """The motions one by one: no unit shares the result of another."""
         return [(i,) for i in range(len(self.motions))]
 
-    def only(self, units: Sequence[Unit]) -> "VerdictScene":
-        """Return the scene with the data that these units need: all."""
-        return self
-
     def frame(self) -> Frame:
         """Return the values at all places, as the file has them."""
         names = [s.name for s in self.structures]
@@ -123,6 +119,10 @@ class VerdictJob:
 
     def __call__(self, units: Sequence[Unit]) -> list[Report]:
         return list(map(self._report, units))
+
+    def only(self, units: Sequence[Unit]) -> "VerdictJob":
+        """Return the job with the data that these units need: all."""
+        return self
 
     def _report(self, unit: Unit) -> Report:
         """Return the report of a unit, whose only place is a motion."""

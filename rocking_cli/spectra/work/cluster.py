@@ -8,7 +8,6 @@ import socket
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from ...errors import OutputError, UsageError
@@ -63,7 +62,7 @@ def cluster(
         units = item if isinstance(item, list) else [Unit(item[:1], *item[1:])]
         return client.submit(
             type(job).__call__,
-            replace(job, scene=job.scene.only(units)),
+            job.only(units),
             item,
             pure=False,
             retries=3,

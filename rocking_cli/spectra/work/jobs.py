@@ -7,7 +7,7 @@ result does not depend on the number of workers or the size of a unit, to the la
 
 import math
 from collections.abc import Callable, Hashable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import chain
 from typing import Any, NamedTuple
@@ -81,6 +81,10 @@ class Job:
         return rows * columns <= sum(
             few(scene.method.system_of(s), scene.segments) for s in self.runs.values()
         )
+
+    def only(self, units: Sequence[Unit]) -> "Job":
+        """Return the job with only the data that these units need."""
+        return replace(self, scene=self.scene.only(units))
 
     def batches(self, units: Sequence[Unit], at_once: int) -> list[list[Unit]]:
         """Return the units in batches, so many of which are computed at a time; a batch

@@ -1,0 +1,168 @@
+"""A page on many structures under a motion: their capacities as a histogram, those with
+the least capacity, and a table by label. All rows stand in a CSV file beside it.
+"""
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from pathlib import Path
+
+import numpy as np
+
+from ..documents.files import whole_text
+from ..dynamics.outcome import Outcome
+from ..envelopes.amplitudes import Limit
+from ..errors import UsageError, did_you_mean
+from ..motions.recording import Recording
+from ..plugins import require
+from ..publishing import check_target, published
+from ..responses.check import Demand, OfRange, Progress, verdicts
+from ..responses.verdict import CHECK_COLUMNS, Verdict
+from ..structures.parameters import RockingParameters
+from .figures.canvas import Figure
+from .page import WRITTEN_WITH, Asked, details, hashes, page_row, rendered
+from .page_sections import image
+from .tables import MANY, csv_lines
+from .wording import capacity_left, opposite_in_words, tally
+
+WORST = 20  # rows of the table of the least capacities
+_BINS = 40  # of the histogram
+
+
+def beside_of(target: Path) -> Path:
+    """Return the name of the CSV file beside a page."""
+    return target.with_name(f"{target.stem}-rows.csv")
+
+
+def write_page_of_many(
+    structures: Sequence[RockingParameters],
+    demands: Sequence[Demand],
+    target: Path,
+    asked: Asked,
+    *,
+    demand: str,
+    overwrite: bool,
+    workers: int | None,
+    a_max: Limit,
+    inputs: Sequence[str],
+    by: str | None = None,
+    ranges: Mapping[str, OfRange] | None = None,
+    opposite: Callable[[], Sequence[tuple[str, Outcome]]] = lambda: [],
+    remarks: Callable[[Sequence[Verdict]], Iterable[str]] = lambda _: [],
+    recordings: Sequence[Recording] = (),
+    progress: Progress | None = None,
+) -> list[Verdict]:
+    """Check the structures under their demands, write the page and the CSV file beside
+    it, and return the verdicts.
+
+    inputs: the files of the structures and of a vertical motion; by: name of the label
+    of the table by label; the other arguments are those of `write_page`. Raises
+    UsageError for an unknown label or a file that must not be written, before anything
+    is computed, and OutputError.
+    """
+    beside = beside_of(target)
+    for path in (target, beside):
+        check_target(path, overwrite)
+    require(*WRITTEN_WITH)
+    keys = dict.fromkeys(key for s in structures for key in s.labels)
+    if by is not None and by not in keys:
+        known = ", ".join(keys) or "none"
+        raise UsageError(
+            f"`by`: found {by!r}; expected a label of the structures:"
+            f" {known}{did_you_mean(by, list(keys))}"
+        )
+    labels = {s.name: {k: str(s.labels.get(k, "")) for k in keys} for s in structures}
+    found = list(
+        verdicts(
+            demands,
+            ranges=ranges,
+            a_max=a_max,
+            workers=workers,
+            progress=progress,
+            forces=len(demands) < MANY,
+        )
+    )
+    worst = sorted(found, key=capacity_left)[:WORST]
+    turned, said = opposite(), list(remarks(found))
+    if unknown := sum(v.capacity_demand is None for v in found):
+        said.append(f"Nothing overturns {unknown:,} of them in the search.")
+    text = rendered(
+        asked,
+        title=asked.title or f"Rocking of {len(structures):,} structures",
+        lead=f"{tally(found)}, under {demand}.",
+        opposite=opposite_in_words(turned) if turned else "",
+        heading=f"The {len(worst)} with the least capacity",
+        verdicts=details(worst, labels),
+        beside=f"All {len(found):,} rows stand in {beside.name}.",
+        remarks=[
+            *remarks(found),
+            *(
+                [f"Nothing overturns {unknown:,} of them in the search."]
+                * bool(unknown)
+            ),
+        ],
+        capacities=image(lambda figure: histogram(figure, found)),
+        drawn="Number of structures over their capacity",
+        by=[] if by is None else _by_label(found, by, labels),
+        hashes=hashes([], recordings, inputs),
+    )
+    rows = [_row_of(v, labels[v.structure]) for v in found]
+    columns = dict.fromkeys([*CHECK_COLUMNS, *(key for row in rows for key in row)])
+    lines = csv_lines({key: row.get(key) for key in columns} for row in rows)
+    with published(beside, overwrite) as file:
+        file.writelines(whole_text(f"{line}\n").encode() for line in lines)
+    with published(target, overwrite) as file:
+        file.write(whole_text(text).encode())
+    return found
+
+
+def _row_of(v: Verdict, labels: Mapping[str, str]) -> dict[str, object]:
+    """Return a verdict as a row with labels; one with the name of a column is called
+    label_NAME.
+    """
+    row = v.row()
+    return row | {f"label_{k}" if k in row else k: x for k, x in labels.items()}
+
+
+def _by_label(
+    found: Sequence[Verdict], by: str, labels: Mapping[str, Mapping[str, str]]
+) -> list[dict[str, object]]:
+    """Return the rows of the table by label, those with the least capacity first."""
+    classes: dict[str, list[Verdict]] = {}
+    for v in found:
+        classes.setdefault(labels[v.structure][by], []).append(v)
+    rows = []
+    for value, own in sorted(
+        classes.items(), key=lambda one: min(map(capacity_left, one[1]))
+    ):
+        least = min(own, key=capacity_left)
+        falls = sum(v.falls for v in own)
+        below = sum((v.capacity_demand or 1.0) < 1.0 for v in own)
+        cells = {
+            by: value or "–",
+            "verdicts": f"{len(own):,}",
+            "fall": f"{falls:,}",
+            "capacity below the demand": f"{below:,}",
+            "least capacity over demand": least.capacity_demand,
+            "of": least.structure,
+        }
+        rows.append(page_row(cells, falls > 0))
+    return rows
+
+
+def histogram(figure: Figure, found: Sequence[Verdict]) -> None:
+    """Draw the number of verdicts over capacity_demand; those below 1 are red."""
+    figure.set_size_inches(6.4, 2.8)
+    axes = figure.add_subplot()
+    known = [v.capacity_demand for v in found if v.capacity_demand is not None]
+    capacity = np.array(known or [1.0])
+    low, high = (np.log2(x(capacity, initial=1.0)) for x in (np.min, np.max))
+    width = max(high - low, 0.1) / _BINS
+    # a bin ends at 1, where the colour changes
+    first, last = np.floor(low / width), np.ceil(high / width)
+    edges = 2.0 ** (width * np.arange(first, last + 2.0))
+    counts, _ = np.histogram(known, edges)
+    colours = ["#D55E00" if edge <= 1.0 else "#0072B2" for edge in edges[1:]]
+    axes.bar(edges[:-1], counts, np.diff(edges), align="edge", color=colours)
+    axes.axvline(1.0, color="k", lw=1.0)
+    axes.set_xscale("log", base=2)
+    axes.xaxis.set_major_formatter(lambda x, _: f"{x:g}")
+    axes.set(xlabel="capacity over demand", ylabel="number")
