@@ -3,6 +3,7 @@
 from .command import argument, command
 from .parameter_types import InputPath
 from .printing import emit, note, printed
+from .progress import ProgressLine
 
 
 @command(
@@ -11,8 +12,8 @@ from .printing import emit, note, printed
     printed,
 )
 def convert(file: str = argument(type=InputPath())) -> None:
-    """Stream the computed cells of a spectra file, one row for each cell (CSV unless
-    --json).
+    """Stream the computed cells of a spectra file, or of a table of verdicts, one row
+    for each cell (CSV unless --json).
     """
     from ..spectra.file.reader import SpectraFile
 
@@ -20,7 +21,7 @@ def convert(file: str = argument(type=InputPath())) -> None:
         if not spectrum.done.any():
             note(f"{file}: none of its cells is computed yet")
         emit(
-            spectrum.cells(),
+            spectrum.cells(ProgressLine("convert", "blocks")),
             (*spectrum.frame.dimensions, "outcome", "theta_ratio"),
             form="csv",
         )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -81,32 +81,33 @@ def solve(
     shakes = (shaken.reversed if sign == "-" else shaken).needed()
     varied = parse_variation(wanted.vary, SCAN)
 
-    rows: list[dict[str, Any]] = []
     remarks: list[str] = []
     edges: list[Boundary] = []
     scans: dict[str, list[tuple[float, float]]] = {}
-    for document in documents:
-        scan: list[tuple[float, float]] = []
-        found, lines = boundaries(
-            document,
-            varied,
-            shakes,
-            margin=wanted.margin,
-            share=wanted.share,
-            opposite=shaken.reversed.shakes if sign == "both" else [],
-            up_to=ends[1].shakes[0][1] if ends else None,
-            workers=workers,
-            progress=ProgressLine("solve", "values"),
-            scanned_at=None if figure.output is None else _append_to(scan),
-        )
-        scans[found[0].structure if found else document.source] = scan
-        rows += map(_row, found)
-        edges += found
-        source = f"{document.source}: " if len(documents) > 1 else ""
-        remarks += [f"{source}{line}" for line in lines]
-        partly(any(line.startswith("no ") for line in lines))
 
-    emit(rows, COLUMNS)
+    def rows() -> Iterator[dict[str, Any]]:
+        for document in documents:
+            scan: list[tuple[float, float]] = []
+            found, lines = boundaries(
+                document,
+                varied,
+                shakes,
+                margin=wanted.margin,
+                share=wanted.share,
+                opposite=shaken.reversed.shakes if sign == "both" else [],
+                up_to=ends[1].shakes[0][1] if ends else None,
+                workers=workers,
+                progress=ProgressLine("solve", "values"),
+                scanned_at=None if figure.output is None else _append_to(scan),
+            )
+            scans[found[0].structure if found else document.source] = scan
+            edges.extend(found)
+            source = f"{document.source}: " if len(documents) > 1 else ""
+            remarks.extend(f"{source}{line}" for line in lines)
+            partly(any(line.startswith("no ") for line in lines))
+            yield from map(_row, found)
+
+    emit(rows(), COLUMNS)
     if figure.output is not None:
         from ..reports.figures.boundaries import draw_scans
         from ..reports.wording import demand_plainly

@@ -4,9 +4,10 @@ import io
 import json
 import os
 import stat
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack
 from functools import lru_cache
+from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -19,7 +20,7 @@ from ...errors import OutputError, UsageError
 from ...motions import Harmonic, Motion, Piece
 from ...motions.grid import Axis, Grid
 from ...structures.parameters import RockingParameters
-from ..dimensions import VARIABLES, Frame, Values, varied_units
+from ..dimensions import LABEL, VARIABLES, Frame, Values, varied_units
 from .integrity import SIGNATURE, Log, checked_digest, read, reason
 from .layout import (
     BOOKKEEPING,
@@ -391,24 +392,49 @@ class SpectraFile(ExitStack[None]):
             [self.block(i, slice(None))[name] for i in range(self.frame.shape[0])]
         )
 
-    def cells(self) -> Iterator[dict[str, Any]]:
+    def cells(
+        self, progress: Callable[[int, int], None] | None = None
+    ) -> Iterator[dict[str, Any]]:
         """Yield a row for every computed cell: its place on each dimension, in SI
-        units, and its variables.
+        units, and its variables; of a verdict also the labels of the structure.
+
+        Parameters
+        ----------
+        progress
+            called with the number of blocks of cells that are read, and of all
+
+        Returns
+        -------
+        iterator of dict
+
+        Raises
+        ------
+        OutputError
+            for a damaged chunk
         """
         places, frequencies, columns = (
             values if isinstance(values, list) else values.tolist()
             for values in self.frame.dimensions.values()
         )
         height = self.chunk_grid.chunk[1]
+        begins = range(0, len(frequencies), height)
         names = sorted(self.names, key=lambda name: name != "outcome")
-        for i, place in enumerate(places):
-            for begin in range(0, len(frequencies), height):
-                block = self.block(i, slice(begin, begin + height))
-                computed = block["outcome"] != Outcome.NOT_COMPUTED
-                for r, c in np.argwhere(computed).tolist():
-                    where = place, frequencies[begin + r], columns[c]
-                    found = {name: _value(name, block[name][r, c]) for name in names}
-                    yield dict(zip(self.frame.dimensions, where, strict=True)) | found
+        labels = {
+            name: values
+            for name, (_, values) in self.frame.extra.items()
+            if name.startswith(LABEL)
+        }
+        blocks = product(enumerate(places), begins)
+        for done, ((i, place), begin) in enumerate(blocks, 1):
+            block = self.block(i, slice(begin, begin + height))
+            computed = block["outcome"] != Outcome.NOT_COMPUTED
+            for r, c in np.argwhere(computed).tolist():
+                where = place, frequencies[begin + r], columns[c]
+                found = {name: _value(name, block[name][r, c]) for name in names}
+                own = {name: values[begin + r] for name, values in labels.items()}
+                yield dict(zip(self.frame.dimensions, where, strict=True)) | found | own
+            if progress:
+                progress(done, len(places) * len(begins))
 
 
 def _within(cells: Sequence[slice], some: Sequence[slice]) -> tuple[slice, ...]:
