@@ -24,7 +24,7 @@ from ..processes import available_cpus
 from ..responses.check import verdicts
 from ..responses.verdict import Verdict
 from ..structures.parameters import RockingParameters
-from .dimensions import LABEL, VERDICTS, Frame, Values, structure_lists
+from .dimensions import LABEL, VERDICTS, Frame, Values, structure_lists, varied_units
 from .file.layout import FileLayout, packed_block
 from .scene import Unit, cut_into_units
 from .sweep import crew, in_turn, kept, units_to_do
@@ -79,6 +79,7 @@ class VerdictScene:
         return Frame(
             {"motion": motions, "structure": names, "sign": signs},
             structure_lists(self.structures) | labels,
+            varied_units(self.structures),
         )
 
     def identity(self) -> dict[str, Any]:
@@ -103,6 +104,7 @@ class VerdictScene:
                 for motion, _ in self.motions
                 if not self.recordings
             ],
+            "varied_units": varied_units(self.structures),
             "signs": list(self.shakes),
             "a_max": None if self.a_max is None else list(self.a_max),
             "forces": self.forces,

@@ -179,7 +179,8 @@ class SpectraFile(ExitStack[None]):
             if name not in VARIABLES and name not in dimensions
         }
         # places of the cells
-        self.frame = Frame(dimensions, lists, varied_units(self.structures))
+        units = self.scene.get("varied_units") or varied_units(self.structures)
+        self.frame = Frame(dimensions, lists, units)
         # of a spectrum of a pulse
         pulse = not (self.frame.of_records or self.frame.of_verdicts)
         self._motion = _motion(self.scene["motion"]) if pulse else None
