@@ -193,6 +193,8 @@ def _command(path: str, file: "SpectraFile") -> str | None:
     from ..motions.reading import holds_records
 
     history = str(file.attributes.get("history", ""))
+    if file.frame.of_verdicts:  # it holds no documents
+        return history.partition(": ")[2] or None
     try:
         call = shlex.split(history.partition("rocking ")[2]) or [""]
     except ValueError:  # a quote without its other one: another program wrote it

@@ -16,7 +16,7 @@ import numpy as np
 
 from ..dynamics.method import has_direction
 from ..dynamics.outcome import Outcome, Work
-from ..envelopes.amplitudes import Limit
+from ..envelopes.amplitudes import LONGEST_FINE, Limit
 from ..motions import Motion
 from ..motions.grid import Grid
 from ..motions.recording import Recording
@@ -33,6 +33,7 @@ from .work.jobs import Report
 from .work.machine import version
 
 CHUNK = 512  # structures of a unit of work
+LONG_CHUNK = 32  # of one in which long records are searched, about a minute of work
 SIGNS = ("stated", "opposite")
 MODEL = "governing"  # the equation: of each structure its own
 
@@ -59,6 +60,13 @@ class VerdictScene:
     def motions(self) -> Sequence[tuple[Motion, Grid]]:
         """The motions with their demands, in the first direction."""
         return next(iter(self.shakes.values()))
+
+    @property
+    def together(self) -> int:
+        """The number of structures of a unit of work."""
+        longest = max(len(motion.segments) for motion, _ in self.motions)
+        searched_long = self.a_max is not None and longest > LONGEST_FINE
+        return LONG_CHUNK if searched_long else CHUNK
 
     def sharing(self) -> list[tuple[int, ...]]:
         """The motions one by one: no unit shares the result of another."""
@@ -167,7 +175,7 @@ def write_verdicts(
     time [s], as the attributes of the file have them. Raises as `write_scene` does.
     """
     began = time.perf_counter()
-    chunk = min(CHUNK, len(scene.structures)), len(scene.shakes)
+    chunk = min(scene.together, len(scene.structures)), len(scene.shakes)
     units = list(cut_into_units(scene, chunk))
     layout = _layout(scene, chunk, options)
     with kept(path, layout, options) as writer:

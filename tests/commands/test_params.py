@@ -295,3 +295,11 @@ def test_rows_with_faults_are_told_and_left_out_and_some_rows_are_printed(
     refused = rocking(*call, "--skip-faulty", "--where", "rom = 2")
     assert refused.returncode == 2
     assert "--where: found 'rom'" in refused.stderr
+
+
+@pytest.mark.parametrize("form", ["--csv", "--json"])
+def test_rows_that_wait_on_the_disk_are_the_same(rocking, monkeypatch, form):
+    call = ("params", "configs/block.yaml", "configs/arch.yaml", form)
+    held = rocking(*call).stdout
+    monkeypatch.setattr("rocking_cli.commands.params._HELD", 1)
+    assert rocking(*call).stdout == held != ""
