@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from . import demand, options
 from .check import CodeOptions
@@ -16,8 +16,10 @@ from .printing import note, quiet
 from .progress import ProgressLine
 
 if TYPE_CHECKING:
+    from ..dynamics.outcome import Outcome
     from ..envelopes.amplitudes import Limit
     from ..reports.page import Asked
+    from ..reports.page_of_many import Labels
     from ..responses.verdict import Verdict
     from .check_demands import Demands, Members
     from .code_rows import CodeRows
@@ -86,11 +88,8 @@ def report(
     jinja2 matplotlib.
     """
     from ..dynamics.outcome import Outcome
-    from ..envelopes.amplitudes import Limit
-    from ..envelopes.intervals import A_MAX
-    from ..reports.page import WRITTEN_WITH, write_page
-    from ..reports.page_of_many import beside_of, write_page_of_many
-    from ..reports.page_sections import Subject
+    from ..reports.page import WRITTEN_WITH
+    from ..reports.page_of_many import beside_of, labels_of
     from ..reports.wording import opposite_in_words, tally
     from ..structures.mechanics.capacity_curve import require_geometry
     from .check_demands import at_worst, demands_on, opposite_outcomes
@@ -111,6 +110,7 @@ def report(
         )
         beside = beside_of(wanted.output)
         options.check_target(beside, overwrite, (beside.suffix,), packages=WRITTEN_WITH)
+        labels = labels_of(stated.structures, wanted.by)
     else:
         refuse(f"goes with more than {MOST} structures", "by")
     alone = by_code is not None and bool(by_code.files) and not stated.shakes
@@ -128,41 +128,12 @@ def report(
         require_spreads(stated.structures)
     if by_code is not None:
         require_geometry(stated.structures)
-    limit = Limit(A_MAX)
-    demands = at_worst(stated, limit, workers)
+    demands = at_worst(stated, _limit(), workers)
     opposite = cache(lambda: opposite_outcomes(demands))
-    shared: dict[str, Any] = {
-        "demand": _in_words(demands, wanted.summary) if demands.shakes else "",
-        "ranges": demands.ranges,
-        "opposite": opposite,
-        "remarks": lambda found: _remarks(found, demands, wanted, by_code, limit),
-        "recordings": stated.shaken.recordings,
-        "overwrite": overwrite,
-        "workers": workers,
-        "progress": ProgressLine("report", "checks"),
-    }
     said = _asked(demands, wanted, by_code, drawn)
-    if many:
-        verdicts = write_page_of_many(
-            stated.structures,
-            demands.rows,
-            wanted.output,
-            said,
-            a_max=limit,
-            inputs=[*files, asked.vertical or ""],
-            by=wanted.by,
-            **shared,
-        )
-    else:
-        verdicts = write_page(
-            [Subject(s.document, s) for s in stated.structures if s.document],
-            demands.rows,
-            wanted.output,
-            said,
-            vertical=asked.vertical,
-            tell=_tell,
-            **shared,
-        )
+    inputs = [*files, asked.vertical or ""]
+    write = partial(_write_many, inputs, labels) if many else _write_sections
+    verdicts = write(demands, wanted, said, opposite, workers, overwrite)
     if alone:
         return
     demand.note_demand(demands.shakes)
@@ -172,6 +143,89 @@ def report(
         note(opposite_in_words(turned))
     note(*worst_at_an_end(demands, verdicts))
     partly(any(v.outcome == Outcome.FAILED for v in verdicts))
+
+
+def _limit() -> Limit:
+    """Return the largest amplitude of the search."""
+    from ..envelopes.amplitudes import Limit
+    from ..envelopes.intervals import A_MAX
+
+    return Limit(A_MAX)
+
+
+def _write_sections(
+    demands: Demands,
+    wanted: ReportOptions,
+    said: Asked,
+    opposite: Callable[[], list[tuple[str, Outcome]]],
+    workers: int | None,
+    overwrite: bool,
+) -> list[Verdict]:
+    """Write the page with a section for each structure, and return the verdicts."""
+    from ..reports.page import write_page
+    from ..reports.page_sections import Subject
+
+    return write_page(
+        [Subject(s.document, s) for s in demands.structures if s.document],
+        demands.rows,
+        wanted.output,
+        said,
+        demand=_in_words(demands, wanted.summary) if demands.shakes else "",
+        ranges=demands.ranges,
+        opposite=opposite,
+        remarks=lambda found: _remarks(found, demands, wanted),
+        recordings=demands.shaken.recordings,
+        vertical=demands.asked.vertical,
+        overwrite=overwrite,
+        workers=workers,
+        progress=ProgressLine("report", "checks"),
+        tell=_tell,
+    )
+
+
+def _write_many(
+    inputs: list[str],
+    labels: Labels,
+    demands: Demands,
+    wanted: ReportOptions,
+    said: Asked,
+    opposite: Callable[[], list[tuple[str, Outcome]]],
+    workers: int | None,
+    overwrite: bool,
+) -> list[Verdict]:
+    """Write the page on many structures, and return the verdicts; inputs: the files of
+    the structures and of a vertical motion.
+    """
+    from ..reports.page import hashes
+    from ..reports.page_of_many import write_page_of_many
+    from ..reports.tables import MANY
+    from ..reports.wording import opposite_in_words
+    from ..responses.check import verdicts
+
+    found = list(
+        verdicts(
+            demands.rows,
+            ranges=demands.ranges,
+            a_max=_limit(),
+            workers=workers,
+            progress=ProgressLine("report", "checks"),
+            forces=len(demands.rows) < MANY,
+        )
+    )
+    turned = opposite()
+    write_page_of_many(
+        found,
+        labels,
+        wanted.output,
+        said,
+        demand=_in_words(demands, summary=False),
+        remarks=list(_remarks(found, demands, wanted)),
+        by=wanted.by,
+        overwrite=overwrite,
+        opposite=opposite_in_words(turned) if turned else "",
+        hashes=hashes([], demands.shaken.recordings, inputs),
+    )
+    return found
 
 
 def _tell(line: str) -> None:
@@ -225,8 +279,6 @@ def _remarks(
     verdicts: Sequence[Verdict],
     demands: Demands,
     wanted: ReportOptions,
-    by_code: CodeRows | None,
-    limit: Limit,
 ) -> Iterator[str]:
     """Yield sentences for the page that `rocking check` prints below its rows."""
     from .check_remarks import inset_effects, worst_at_an_end
@@ -243,4 +295,4 @@ def _remarks(
         )
     yield from worst_at_an_end(demands, verdicts)
     if wanted.inset_effect:
-        yield from inset_effects(verdicts, demands, limit)
+        yield from inset_effects(verdicts, demands, _limit())

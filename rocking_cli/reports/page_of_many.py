@@ -2,29 +2,27 @@
 the least capacity, and a table by label. All rows stand in a CSV file beside it.
 """
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from ..documents.files import whole_text
-from ..dynamics.outcome import Outcome
-from ..envelopes.amplitudes import Limit
 from ..errors import UsageError, did_you_mean
-from ..motions.recording import Recording
-from ..plugins import require
-from ..publishing import check_target, published
-from ..responses.check import Demand, OfRange, Progress, verdicts
+from ..publishing import published
 from ..responses.verdict import CHECK_COLUMNS, Verdict
 from ..structures.parameters import RockingParameters
 from .figures.canvas import Figure
-from .page import WRITTEN_WITH, Asked, details, hashes, page_row, rendered
+from .page import Asked, details, page_row, rendered
 from .page_sections import image
-from .tables import MANY, csv_lines
-from .wording import capacity_left, opposite_in_words, tally
+from .tables import csv_lines
+from .wording import capacity_left, tally
 
 WORST = 20  # rows of the table of the least capacities
 _BINS = 40  # of the histogram
+
+Labels = Mapping[str, Mapping[str, str]]  # of each structure, by name
 
 
 def beside_of(target: Path) -> Path:
@@ -32,36 +30,10 @@ def beside_of(target: Path) -> Path:
     return target.with_name(f"{target.stem}-rows.csv")
 
 
-def write_page_of_many(
-    structures: Sequence[RockingParameters],
-    demands: Sequence[Demand],
-    target: Path,
-    asked: Asked,
-    *,
-    demand: str,
-    overwrite: bool,
-    workers: int | None,
-    a_max: Limit,
-    inputs: Sequence[str],
-    by: str | None = None,
-    ranges: Mapping[str, OfRange] | None = None,
-    opposite: Callable[[], Sequence[tuple[str, Outcome]]] = lambda: [],
-    remarks: Callable[[Sequence[Verdict]], Iterable[str]] = lambda _: [],
-    recordings: Sequence[Recording] = (),
-    progress: Progress | None = None,
-) -> list[Verdict]:
-    """Check the structures under their demands, write the page and the CSV file beside
-    it, and return the verdicts.
-
-    inputs: the files of the structures and of a vertical motion; by: name of the label
-    of the table by label; the other arguments are those of `write_page`. Raises
-    UsageError for an unknown label or a file that must not be written, before anything
-    is computed, and OutputError.
+def labels_of(structures: Sequence[RockingParameters], by: str | None) -> Labels:
+    """Return the labels of structures; one without a label has an empty text. Raises
+    UsageError if none has the label `by`.
     """
-    beside = beside_of(target)
-    for path in (target, beside):
-        check_target(path, overwrite)
-    require(*WRITTEN_WITH)
     keys = dict.fromkeys(key for s in structures for key in s.labels)
     if by is not None and by not in keys:
         known = ", ".join(keys) or "none"
@@ -69,49 +41,49 @@ def write_page_of_many(
             f"`by`: found {by!r}; expected a label of the structures:"
             f" {known}{did_you_mean(by, list(keys))}"
         )
-    labels = {s.name: {k: str(s.labels.get(k, "")) for k in keys} for s in structures}
-    found = list(
-        verdicts(
-            demands,
-            ranges=ranges,
-            a_max=a_max,
-            workers=workers,
-            progress=progress,
-            forces=len(demands) < MANY,
-        )
-    )
+    return {s.name: {k: str(s.labels.get(k, "")) for k in keys} for s in structures}
+
+
+def write_page_of_many(
+    found: Sequence[Verdict],
+    labels: Labels,
+    target: Path,
+    asked: Asked,
+    *,
+    demand: str,
+    remarks: Sequence[str],
+    by: str | None,
+    overwrite: bool,
+    **told: Any,
+) -> None:
+    """Write the page on many verdicts, and the CSV file of all of them beside it.
+
+    demand, remarks: as of `page`; by: the label of the table by label, None without
+    one; told: further values of the template. Raises OutputError.
+    """
     worst = sorted(found, key=capacity_left)[:WORST]
-    turned, said = opposite(), list(remarks(found))
     if unknown := sum(v.capacity_demand is None for v in found):
-        said.append(f"Nothing overturns {unknown:,} of them in the search.")
+        remarks = [*remarks, f"Nothing overturns {unknown:,} of them in the search."]
     text = rendered(
         asked,
-        title=asked.title or f"Rocking of {len(structures):,} structures",
+        title=asked.title or f"Rocking of {len(labels):,} structures",
         lead=f"{tally(found)}, under {demand}.",
-        opposite=opposite_in_words(turned) if turned else "",
         heading=f"The {len(worst)} with the least capacity",
         verdicts=details(worst, labels),
-        beside=f"All {len(found):,} rows stand in {beside.name}.",
-        remarks=[
-            *remarks(found),
-            *(
-                [f"Nothing overturns {unknown:,} of them in the search."]
-                * bool(unknown)
-            ),
-        ],
+        beside=f"All {len(found):,} rows stand in {beside_of(target).name}.",
+        remarks=remarks,
         capacities=image(lambda figure: histogram(figure, found)),
         drawn="Number of structures over their capacity",
         by=[] if by is None else _by_label(found, by, labels),
-        hashes=hashes([], recordings, inputs),
+        **told,
     )
     rows = [_row_of(v, labels[v.structure]) for v in found]
     columns = dict.fromkeys([*CHECK_COLUMNS, *(key for row in rows for key in row)])
     lines = csv_lines({key: row.get(key) for key in columns} for row in rows)
-    with published(beside, overwrite) as file:
+    with published(beside_of(target), overwrite) as file:
         file.writelines(whole_text(f"{line}\n").encode() for line in lines)
     with published(target, overwrite) as file:
         file.write(whole_text(text).encode())
-    return found
 
 
 def _row_of(v: Verdict, labels: Mapping[str, str]) -> dict[str, object]:
@@ -123,7 +95,7 @@ def _row_of(v: Verdict, labels: Mapping[str, str]) -> dict[str, object]:
 
 
 def _by_label(
-    found: Sequence[Verdict], by: str, labels: Mapping[str, Mapping[str, str]]
+    found: Sequence[Verdict], by: str, labels: Labels
 ) -> list[dict[str, object]]:
     """Return the rows of the table by label, those with the least capacity first."""
     classes: dict[str, list[Verdict]] = {}

@@ -23,7 +23,7 @@ CALL = ("report", "t.csv", "--a-g", "0.35g", "--f-g", "1.5", "-o", "t.html")
 def table(tmp_path, monkeypatch):
     monkeypatch.setattr(page_of_many, "image", lambda plan: "data:x")
     monkeypatch.setattr(page_of_many, "WORST", 5)
-    monkeypatch.setattr(page_of_many, "MANY", 0)  # no forces
+    monkeypatch.setattr("rocking_cli.reports.tables.MANY", 0)  # no forces
     path = tmp_path / "t.csv"
     path.write_text(TABLE)
     return path
