@@ -14,7 +14,7 @@ from rocking_cli.reports import page_of_many
 from rocking_cli.reports.page_of_many import histogram
 
 TABLE = "kind,name,width,height,outcome\n" + "".join(
-    f"block,B{i},{0.3 + 0.02 * (5 * i % 13)},2,hall {i % 2}\n" for i in range(13)
+    f"block,B{i},{0.3 + 0.06 * (5 * i % 7):.2f},2,hall {i % 2}\n" for i in range(7)
 )
 CALL = ("report", "t.csv", "--a-g", "0.35g", "--f-g", "1.5", "-o", "t.html")
 
@@ -23,6 +23,7 @@ CALL = ("report", "t.csv", "--a-g", "0.35g", "--f-g", "1.5", "-o", "t.html")
 def table(tmp_path, monkeypatch):
     monkeypatch.setattr(page_of_many, "image", lambda plan: "data:x")
     monkeypatch.setattr(page_of_many, "WORST", 5)
+    monkeypatch.setattr("rocking_cli.commands.report.MOST", 6)
     monkeypatch.setattr("rocking_cli.reports.tables.MANY", 0)  # no forces
     path = tmp_path / "t.csv"
     path.write_text(TABLE)
@@ -36,10 +37,10 @@ def test_the_page_holds_the_least_capacities_and_the_file_beside_it_all(
         file.write("block,B99,-1,2,hall 0\n")
     done = rocking(*CALL, "--by", "outcome", "--skip-faulty")
     assert done.returncode == 4
-    assert "left out: t.csv:15:3: width: found -1" in done.stderr
+    assert "left out: t.csv:9:3: width: found -1" in done.stderr
     assert table.read_text().startswith(TABLE)
     rows = list(csv.DictReader((tmp_path / "t-rows.csv").read_text().splitlines()))
-    assert [row["structure"] for row in rows] == [f"B{i}" for i in range(13)]
+    assert [row["structure"] for row in rows] == [f"B{i}" for i in range(7)]
     assert rows[1]["label_outcome"] == "hall 1"
 
     page = (tmp_path / "t.html").read_text(encoding="utf-8")
@@ -49,12 +50,15 @@ def test_the_page_holds_the_least_capacities_and_the_file_beside_it_all(
         cell.partition("<")[0] for cell in shown.split('data-head="structure">')[1:]
     ] == [row["structure"] for row in least[:5]]
     by = page.partition('id="by-label"')[2].partition("</table>")[0]
-    for hall, count in (("hall 0", 7), ("hall 1", 6)):
+    for hall, count in (("hall 0", 4), ("hall 1", 3)):
         own = [row for row in least if row["label_outcome"] == hall]
         fallen = sum(row["outcome"].startswith("overturned") for row in own)
         cells = by.partition(f">{hall}<")[2].partition("</tr>")[0]
         assert f">{count}<" in cells
         assert f'"fall">{fallen}<' in cells
+        below = sum(float(row["capacity_demand"]) < 1.0 for row in own)
+        assert 0 < below < count
+        assert f'"capacity below the demand">{below}<' in cells
         assert f'"of">{own[0]["structure"]}<' in cells
 
 
@@ -62,7 +66,7 @@ def test_the_page_holds_the_least_capacities_and_the_file_beside_it_all(
     ("more", "words"),
     [
         (("--by", "outcom"), "--by: found 'outcom'; expected a label"),
-        (("--summary",), "--summary goes with up to 12 structures"),
+        (("--summary",), "--summary goes with up to 6 structures"),
     ],
 )
 def test_what_a_page_of_many_lacks_is_refused(rocking, table, more, words):

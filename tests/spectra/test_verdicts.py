@@ -23,7 +23,7 @@ from rocking_cli.spectra.sweep_options import SweepOptions
 from rocking_cli.spectra.verdicts import SIGNS, VerdictScene, write_verdicts
 
 TABLE = "kind,name,width,height,room\n" + "".join(
-    f"block,B{i},{0.3 + 0.02 * i},2,hall {i % 2}\n" for i in range(8)
+    f"block,B{i},{0.3 + 0.07 * i:.2f},2,hall {i % 2}\n" for i in range(8)
 )
 SIDED = "{kind: rigid, name: Sided, left: 0.2, right: 0.3, height: 1, gyration: 0.6}"
 GRID = parse_grid("a_g=0.35g,f_g=1.5")
@@ -73,6 +73,7 @@ def test_a_cell_holds_what_check_says(scene, whole):
     assert lists["structure"] == [f"B{i}" for i in range(8)]
     assert lists["label_room"][:2] == ["hall 0", "hall 1"]
     assert lists["varied_height"][1] == 2.0
+    assert arrays["theta_ratio"][0, -1, 0] == 0.0  # it does not lift
     for i, structure in enumerate(scene.structures):
         verdict = check(structure, sine(), GRID, a_max=None)
         assert arrays["outcome"][0, i, 0] == verdict.outcome
@@ -86,7 +87,8 @@ def test_shards_make_the_same_file(scene, whole, tmp_path):
     paths = [tmp_path / f"{i}.h5" for i in (1, 2, 3)]
     for i, path in enumerate(paths, 1):
         write(scene, path, shard=(i, 3))
-    assert merge(paths[:2], tmp_path / "some.h5").missing == ("3/3",)
+    some = merge(paths[:2], tmp_path / "some.h5")
+    assert (some.chunks, some.missing) == (3, ("3/3",))
     assert merge(paths, tmp_path / "all.h5").missing == ()
     same(contents(tmp_path / "all.h5"), whole)
 
