@@ -18,8 +18,8 @@ from .progress import ProgressLine
 if TYPE_CHECKING:
     from ..dynamics.outcome import Outcome
     from ..envelopes.amplitudes import Limit
-    from ..reports.page import Asked
     from ..reports.page_of_many import Labels
+    from ..reports.page_parts import Asked
     from ..responses.verdict import Verdict
     from .check_demands import Demands, Members
     from .code_rows import CodeRows
@@ -88,8 +88,8 @@ def report(
     jinja2 matplotlib.
     """
     from ..dynamics.outcome import Outcome
-    from ..reports.page import WRITTEN_WITH
     from ..reports.page_of_many import beside_of, labels_of
+    from ..reports.page_parts import WRITTEN_WITH
     from ..reports.wording import opposite_in_words, tally
     from ..structures.mechanics.capacity_curve import require_geometry
     from .check_demands import at_worst, demands_on, opposite_outcomes
@@ -196,8 +196,8 @@ def _write_many(
     """Write the page on many structures, and return the verdicts; inputs: the files of
     the structures and of a vertical motion.
     """
-    from ..reports.page import hashes
     from ..reports.page_of_many import write_page_of_many
+    from ..reports.page_parts import hashes
     from ..reports.tables import MANY
     from ..reports.wording import opposite_in_words
     from ..responses.check import verdicts
@@ -242,7 +242,7 @@ def _asked(
     demands: Demands, wanted: ReportOptions, by_code: CodeRows | None, drawn: Draws
 ) -> Asked:
     """Return what the page says of its making, and what it holds."""
-    from ..reports.page import Asked
+    from ..reports.page_parts import Asked
 
     return Asked(
         options.command_line(),

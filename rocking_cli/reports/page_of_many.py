@@ -14,7 +14,7 @@ from ..publishing import published
 from ..responses.verdict import CHECK_COLUMNS, Verdict
 from ..structures.parameters import RockingParameters
 from .figures.canvas import Figure
-from .page import Asked, details, page_row, rendered
+from .page_parts import Asked, details, page_row, rendered
 from .page_sections import image
 from .tables import csv_lines
 from .wording import capacity_left, tally

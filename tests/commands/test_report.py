@@ -31,7 +31,8 @@ from rocking_cli.fragility.exposure import Exposure
 from rocking_cli.fragility.measures import members_of, shaken_upwards
 from rocking_cli.motions.biaxial import Upwards
 from rocking_cli.motions.reading import read_motions
-from rocking_cli.reports.page import Asked, _some, page
+from rocking_cli.reports.page import _some, page
+from rocking_cli.reports.page_parts import Asked
 from rocking_cli.reports.page_sections import Subject, checked
 from rocking_cli.reports.wording import (
     OVERVIEW,

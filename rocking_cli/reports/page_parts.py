@@ -1,0 +1,215 @@
+"""What every page holds: the template, its tables of verdicts, and how it was made."""
+
+import hashlib
+import math
+import platform
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from decimal import ROUND_CEILING, ROUND_FLOOR, ROUND_HALF_EVEN, Decimal
+from importlib.metadata import version
+from importlib.resources import files
+from operator import attrgetter
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from .. import __version__
+from ..documents.quantities import DEFAULT_GRAVITY
+from ..motions.grid import Grid
+from ..motions.recording import Recording
+from ..responses.verdict import Verdict
+from .page_sections import Subject
+from .tables import Above
+
+if TYPE_CHECKING:
+    from jinja2 import Template
+
+HEADS = {
+    "structure": "structure",
+    "motion": "motion",
+    "model": "model",
+    "outcome": "sentence",
+    "θ max/α": "theta_ratio",
+    "demand [g]": "demand_a",
+    "uplift [g]": "uplift_a",
+    "overturns from [g]": "first_overturning_a",
+    "capacity over demand": "capacity_demand",
+    "safe up to [g]": "safe_to",
+    "linear says": "outcome_linear.sentence",
+    "friction needed": "friction_needed",
+    "least vertical force": "fz_min",
+}
+"""The columns of the table of verdicts, and the attribute of a verdict in each."""
+
+RANGED = {
+    "worst_f_g": ("least capacity at [Hz]", 1.0),
+    "largest_f_g": ("largest rotation at [Hz]", 1.0),
+    "azimuth": ("least capacity at [deg]", math.degrees(1.0)),
+    "largest_azimuth": ("largest rotation at [deg]", math.degrees(1.0)),
+}
+"""The columns of a range: the attribute of `ranged` (heading, unit)."""
+
+# decimals and rounding of the columns whose heading ends so
+_FORMS = (
+    ("over demand", (2, ROUND_FLOOR)),
+    ("overturns from [g]", (3, ROUND_FLOOR)),
+    ("safe up to [g]", (3, ROUND_FLOOR)),
+    ("least vertical force", (2, ROUND_FLOOR)),
+    ("friction needed", (2, ROUND_CEILING)),
+    ("[deg]", (1, ROUND_HALF_EVEN)),
+    ("", (3, ROUND_HALF_EVEN)),
+)
+
+
+WRITTEN_WITH = ("a report needs", "jinja2", "matplotlib")  # the arguments of `require`
+
+
+@dataclass(frozen=True)
+class Asked:
+    """What a page says of its own making, and what it holds besides the verdicts."""
+
+    command: str  # the call that made it
+    made: str  # date
+    title: str | None = None  # None: the names of the structures
+    author: str | None = None  # of the page
+    place: str | None = None  # of the structures
+    summary: bool = False  # begin with a sentence on each structure, and the contents
+    by_capacity: bool = False  # the least capacity first
+    draws: tuple[int, int] | None = None  # number and seed, of numbers with spreads
+    fragility: bool = True  # curves of records
+    # the demands at both ends of a range of frequencies, none without a range
+    ends: tuple[Grid, ...] = ()
+    # arguments of `code_check`, None without a check by a code
+    code: Mapping[str, Any] | None = None
+    spectra: Sequence[str] = ()  # the files of the spectra of the code
+
+
+def rendered(asked: Asked, **values: Any) -> str:
+    """Return the page with these values of its template; what is not given is left
+    out.
+    """
+    left_out: dict[str, Any] = {
+        **dict.fromkeys(("opposite", "lead", "beside", "code", "capacities")),
+        **{key: [] for key in ("overview", "structures", "draws", "by", "remarks")},
+        "heading": "What stands and what falls",
+        "drawn": "Capacity over demand of each structure",
+    }
+    return _template().render(
+        left_out
+        | {
+            "place": ", ".join(filter(None, (asked.place, asked.author))),
+            "command": asked.command,
+            "made": asked.made,
+            "versions": _versions(),
+        }
+        | values
+    )
+
+
+def _template() -> "Template":
+    """Return the page without its values; it escapes every text."""
+    from jinja2 import Environment, StrictUndefined
+
+    text = (files(__package__) / "page.html").read_text(encoding="utf-8")
+    environment = Environment(
+        autoescape=True, undefined=StrictUndefined, trim_blocks=True
+    )
+    return environment.from_string(text)
+
+
+def _versions() -> list[tuple[str, str]]:
+    """Return (name, version) of this program and of those that it computes with."""
+    packages = ("numpy", "scipy", "h5py", "matplotlib", "jinja2")
+    return [
+        ("rocking", __version__),
+        ("Python", platform.python_version()),
+        *((package, version(package)) for package in packages),
+    ]
+
+
+def labelled(
+    cells: Mapping[str, str | float | None], labels: Mapping[str, Mapping[str, str]]
+) -> dict[str, str | float | None]:
+    """Return a row with the labels of its structure behind the name."""
+    name = str(cells["structure"])
+    own = {
+        f"label {key}" if key in cells else key: text
+        for key, text in labels.get(name, {}).items()
+    }
+    return {"structure": name, **own, **cells}
+
+
+def details(
+    verdicts: Sequence[Verdict], labels: Mapping[str, Mapping[str, str]]
+) -> list[dict[str, Any]]:
+    """Return the rows of the table of verdicts; labels: of each structure."""
+    rows = []
+    several = len({v.motion for v in verdicts}) > 1
+    for v in verdicts:
+        cells = dict(zip(HEADS, attrgetter(*HEADS.values())(v), strict=True))
+        cells |= {
+            RANGED[key][0]: None if x is None else RANGED[key][1] * float(x)
+            for key, x in v.ranged.items()
+            if key in RANGED
+        }
+        if not several:
+            del cells["motion"]
+        cells = labelled(cells, labels)
+        rows.append(verdict_row(cells, v))
+    return rows
+
+
+def hashes(
+    subjects: Sequence[Subject], recordings: Sequence[Recording], others: Sequence[str]
+) -> list[tuple[str, str]]:
+    """Return (name, SHA-256) of each input: that of its file, or of the text of a
+    document without a file.
+    """
+    inputs: dict[str, bytes] = {}
+    for s in subjects:
+        inputs[s.document.source] = (
+            inputs.get(s.document.source, b"") + s.document.text.encode()
+        )
+    found = {
+        source: hashlib.sha256(content).hexdigest()
+        for source, content in inputs.items()
+    }
+    for source in (*inputs, *others):
+        if Path(source).is_file():
+            with open(source, "rb") as file:
+                found[source] = hashlib.file_digest(file, "sha256").hexdigest()
+    return list(
+        (found | {r.record.source: r.record.sha256 for r in recordings}).items()
+    )
+
+
+def verdict_row(values: dict[str, str | float | None], v: Verdict) -> dict[str, Any]:
+    """Return the template's values for a row of a table of verdicts; values: of each
+    column by its heading.
+    """
+    if v.capacity_above is not None:
+        values["capacity over demand"] = Above(v.capacity_above)
+    return page_row(values, v.falls)
+
+
+def page_row(values: Mapping[str, str | float | None], falls: bool) -> dict[str, Any]:
+    """Return the template's values for a row; falls: True for a red one."""
+    cells = [
+        {"head": head, "text": _cell(head, x), "number": not isinstance(x, str)}
+        for head, x in values.items()
+    ]
+    return {"falls": falls, "cells": cells}
+
+
+def _cell(head: str, x: str | float | None) -> str:
+    """Return a value of a column as a text. All numbers of a column have as many
+    decimals; what is compared is rounded to the safe side.
+    """
+    if x is None or isinstance(x, str):
+        return x or "–"
+    places, rounding = next(form for ends, form in _FORMS if head.endswith(ends))
+    unit = DEFAULT_GRAVITY if "[g]" in head else 1.0
+    least = Decimal(1).scaleb(-places)
+    shown = Decimal(repr(x / unit)).quantize(least, rounding)
+    if not shown and x > 0.0:
+        return f"< {least}"
+    return f"> {shown}" if isinstance(x, Above) else f"{shown}"
