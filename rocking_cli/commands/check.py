@@ -154,10 +154,8 @@ def check(
         require_spreads(stated.structures)
     most_slide = _slide_limit(wanted.fail_on, stated, drawn)
     by_code = of_code.rows(wanted.verdict_only, wanted.sort)
-    if by_code is not None and asked.building:
-        from ..motions.buildings import parse_building
-
-        by_code.stand_on(parse_building(asked.building))
+    if by_code is not None:
+        by_code.stand_on(asked.carrier, stated.structures)
     known = known_columns(stated, wanted, by_code is not None, drawn.draws is not None)
     require_columns(known)
     if wanted.output is not None:

@@ -373,6 +373,11 @@ def introduced(
     spread: dict[str, None] = {}  # keys
     names: dict[str, None] = {}  # of labels
     for structure in structures:
+        if structure.building and given("building"):
+            raise click.UsageError(
+                "--building does not go with a structure whose document has the key"
+                f" building: {structure.name}"
+            )
         remarks += structure_remarks(structure)
         if structure.drawn_from:
             spread |= dict.fromkeys(structure.drawn_from.uncertain)

@@ -74,6 +74,11 @@ def solve(
 
     figure.check()
     files, motions = asked.several(files)
+    if asked.ends() and asked.building:
+        raise click.UsageError(
+            "--building does not go with a range of frequencies here; expected the key"
+            " building of the document"
+        )
     ends = [end.of(motions) for end in asked.ends()]
     shaken = ends[0] if ends else asked.of(motions)
     documents = options.documents_of(files)

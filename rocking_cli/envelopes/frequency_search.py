@@ -4,23 +4,27 @@ a scan of the range, then the minima of the first overturning amplitude.
 
 import math
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
 from functools import cached_property
-from typing import NamedTuple, Self
+from typing import NamedTuple, Protocol, Self
 
 import numpy as np
 
 from ..arrays import Array
 from ..dynamics.method import Method, governing_method
 from ..dynamics.outcome import safe
+from ..dynamics.response import cheaper, response
 from ..dynamics.shared_march import SharedMarch
 from ..dynamics.system import System
+from ..errors import UsageError
 from ..motions import Motion
+from ..motions.buildings import NEEDS_UNITS, Building, floor_of
 from ..motions.grid import Axis, Grid
 from ..structures.parameters import RockingParameters
 from .amplitudes import Limit, limit_of
 from .boundaries import looks_finely
 from .capacity import CapacitySearch, tracing_width
-from .first_falls import WITHIN, Climb, lowest_falls
+from .first_falls import WITHIN, Climb, RowMarch, lowest_falls
 
 # ratio of neighbouring frequencies of the scan; narrower minima may be missed
 _RATIO = 1.04
@@ -28,6 +32,10 @@ _RATIO = 1.04
 # minimum
 _INSIDE = 1e-4
 _FINE = 1e-6  # relative width to which the frequency of a minimum is found
+# on a floor, whose straight lines miss 1e-3 of its peak: this width, also of brackets;
+# steps in a cycle; ratio of the amplitudes minus 1, and amplitudes computed together
+_FINE_ON_FLOORS, _STEPS = 1e-3, 72
+_LADDER_ON_FLOORS, _RUNGS_ON_FLOORS = 0.05, 12
 # times the demand: the search for falls between the frequencies of an outcome scan
 _OUTCOME_REACH = 1.5
 _LADDER = 2e-3  # ratio of the amplitudes of this search, minus 1
@@ -37,6 +45,19 @@ _SCANNED = 0.6  # about the share of the scan of a search
 # frequencies that are tried in each of them
 _CLOSER, _TRIED = (1.0, 0.125, 0.015625), 17
 _HALF = 12  # searches around minima after which half of the rest is taken as done
+
+_ONE = np.zeros(1, dtype=np.int64)  # the rows of the one body of a search
+
+
+class RowsMarch(Protocol):
+    """What marches the cells of a search: `SharedMarch`, or `FloorMarch`."""
+
+    def response(
+        self, which: Array, amplitude: Array, omega: Array, peaks: bool = True
+    ) -> tuple[Array, Array, Array]: ...
+
+    def of_rows(self, which: Array, omega: Array) -> RowMarch: ...
+
 
 Tell = Callable[[float], None]  # called with the share that is done
 
@@ -64,15 +85,16 @@ class ScanAnswers(NamedTuple):
 class FrequencyRange(NamedTuple):
     """A structure under a range of frequencies."""
 
-    structure: RockingParameters  # the structure
+    structure: RockingParameters  # the structure, as if it stood on the ground
     motion: Motion  # the motion of the ground
     amplitude: float  # A of the demand [-]
     begin: float  # Omega of the demand at the stated first end of the range [-]
     end: float  # Omega at the other end [-]
     method: Method  # model and tolerance
     system: System  # the system of the structure
-    uplift: float  # least A that lifts it [-]
+    uplift: float  # least A that lifts it [-]; on a floor 0, as it is not known
     most: float | None  # largest A of the search [-], None if only outcomes are wanted
+    building: Building | None  # on whose floor it stands; None on the ground
 
     @classmethod
     def of(
@@ -83,7 +105,13 @@ class FrequencyRange(NamedTuple):
         high: Grid,
         a_max: float | Limit | None,
     ) -> Self:
-        """Return the range between two demands. Raises UsageError."""
+        """Return the range between two demands. Raises UsageError, also for a structure
+        in a building under dimensionless demands.
+        """
+        modes = structure.building
+        structure = replace(structure, building=())
+        if modes and (low.dimensionless or low.amplitude.name != "a_g"):
+            raise UsageError(NEEDS_UNITS)
         method = governing_method(structure, dimensionless=low.dimensionless)
         (amplitude, begin), (_, end) = (grid.cell(structure) for grid in (low, high))
         system = method.system_of(structure)
@@ -95,8 +123,9 @@ class FrequencyRange(NamedTuple):
             end,
             method,
             system,
-            system.least_uplift(motion),
+            0.0 if modes else system.least_uplift(motion),
             None if a_max is None else limit_of(a_max, structure),
+            Building(modes) if modes else None,
         )
 
     @property
@@ -123,18 +152,6 @@ class FrequencyRange(NamedTuple):
         return CapacitySearch(
             self.structure, self.motion, self.uplift, omega, self.method, most
         )
-
-    def minimum(self, around: tuple[float, float], most: float) -> tuple[float, float]:
-        """(minimum of the first overturning amplitude between two Omega, its Omega)."""
-        from scipy.optimize import minimize_scalar
-
-        found = minimize_scalar(
-            lambda x: self.first(math.exp(x), most),
-            bounds=tuple(map(math.log, around)),
-            method="bounded",
-            options={"xatol": _FINE},
-        )
-        return float(found.fun), math.exp(found.x)
 
     def worst(
         self, omega: float | None, largest: float | None, low: Grid, high: Grid
@@ -214,11 +231,17 @@ class ScanRows(NamedTuple):
 class FrequencySearch:
     """The search for the worst Omega of several structures under one motion."""
 
+    fine = _FINE  # relative width to which a frequency is found
+
     def __init__(
-        self, ranges: Sequence[FrequencyRange], motion: Motion, tell: Tell
+        self,
+        ranges: Sequence[FrequencyRange],
+        motion: Motion,
+        tell: Tell,
+        march: RowsMarch | None = None,
     ) -> None:
         self.ranges, self.motion, self.tell = ranges, motion, tell
-        self.march = SharedMarch(
+        self.march = march or SharedMarch(
             motion, [one.structure for one in ranges], [one.method for one in ranges]
         )
         self.amplitude = np.array([one.amplitude for one in ranges])
@@ -307,11 +330,26 @@ class FrequencySearch:
     def _minimum(
         self, one: FrequencyRange, around: tuple[float, float], most: float
     ) -> tuple[float, float]:
-        """`FrequencyRange.minimum`; tells the progress."""
-        found = one.minimum(around, most)
+        """(minimum of the first overturning amplitude between two Omega, its Omega);
+        tells the progress.
+        """
+        from scipy.optimize import minimize_scalar
+
+        found = minimize_scalar(
+            lambda x: self._first_at(one, math.exp(x), most),
+            bounds=tuple(map(math.log, around)),
+            method="bounded",
+            options={"xatol": self.fine},
+        )
         self.minima_found += 1
         self.tell(1.0 - (1.0 - _SCANNED) * 0.5 ** (self.minima_found / _HALF))
-        return found
+        return float(found.fun), math.exp(found.x)
+
+    def _first_at(self, one: FrequencyRange, omega: float, most: float) -> float:
+        """The first overturning amplitude of a body at an Omega, infinite if none up to
+        `most` overturns it.
+        """
+        return one.first(omega, most)
 
     def _of_outcomes(self, body: int, scan: Array, first: Array, omega: float) -> float:
         """Return the worst Omega of a body whose least overturning amplitude, at
@@ -330,7 +368,7 @@ class FrequencySearch:
         uplift = np.array([one.uplift for one in self.ranges])
         lifted = np.flatnonzero(self.amplitude > uplift).tolist()
         rows = ScanRows.of(self.ranges, lifted)
-        turned, outcome = self._under(rows.body, rows.omega)
+        turned, outcome = self.under(rows.body, rows.omega)
         falls = ~safe(outcome)
         return ScanAnswers(rows, np.where(falls, np.inf, turned), falls)
 
@@ -353,7 +391,7 @@ class FrequencySearch:
         for share in _CLOSER:
             apart = _RATIO ** (share * np.linspace(-1.0, 1.0, _TRIED))
             tried = np.clip(omega[:, None] * apart, ends[:, :1], ends[:, 1:])
-            turned, outcome = self._under(np.repeat(bodies, _TRIED), tried.ravel())
+            turned, outcome = self.under(np.repeat(bodies, _TRIED), tried.ravel())
             turned = np.where(safe(outcome), turned, np.inf).reshape(-1, _TRIED)
             omega, most = tried[at, turned.argmax(axis=1)], turned.max(axis=1)
         found = dict(zip(bodies.tolist(), zip(omega, most, strict=True), strict=True))
@@ -370,9 +408,9 @@ class FrequencySearch:
         """True if a body stands under its demand at an Omega, or without one."""
         if omega is None:
             return True
-        return bool(safe(self._under(np.array([body]), np.array([omega]))[1])[0])
+        return bool(safe(self.under(np.array([body]), np.array([omega]))[1])[0])
 
-    def _under(self, body: Array, omega: Array) -> tuple[Array, Array]:
+    def under(self, body: Array, omega: Array) -> tuple[Array, Array]:
         """(theta_ratio, outcome) under the demand of these bodies at these Omega."""
         return self.march.response(body, self.amplitude[body], omega)[:2]
 
@@ -401,13 +439,7 @@ class FrequencySearch:
         frequencies of the scan; it overturns none of them at these frequencies.
         """
         rows = ScanRows.of(self.ranges, bodies)
-        demand = self.amplitude[rows.body]
-        # Of the amplitudes between the demand and its reach, a ladder is tried.
-        firsts = lowest_falls(
-            self.march.of_rows(rows.body, rows.omega),
-            Climb(demand, _OUTCOME_REACH * demand, demand, _LADDER),
-            stretch=_RUNGS,
-        ).amplitude
+        firsts = self._falls_near(rows.body, rows.omega)
         self.tell(_SCANNED)
         near = np.minimum(firsts[rows.before], firsts[rows.after])
         lowest = np.flatnonzero(np.isfinite(firsts) & (firsts <= near))
@@ -422,10 +454,21 @@ class FrequencySearch:
             first, omega = self._minimum(one, rows.around(row), reach)
             if first > one.amplitude:
                 continue
-            _, outcome = self._under(np.array([body]), np.array([omega]))
+            _, outcome = self.under(np.array([body]), np.array([omega]))
             if not safe(outcome)[0]:
                 done.add(body)
                 yield body, omega
+
+    def _falls_near(self, body: Array, omega: Array) -> Array:
+        """The lowest amplitudes of a ladder between the demand and its reach that
+        overturn these bodies at these Omega, infinite where none does.
+        """
+        demand = self.amplitude[body]
+        return lowest_falls(
+            self.march.of_rows(body, omega),
+            Climb(demand, _OUTCOME_REACH * demand, demand, _LADDER),
+            stretch=_RUNGS,
+        ).amplitude
 
     def _falls_inside(self, lowest: Array, rows: ScanRows) -> Array:
         """True for rows at an end of the range a little inside of which a lower
@@ -445,6 +488,102 @@ class FrequencySearch:
         )
         found[rows.at_an_end(lowest)] = inside < first
         return found
+
+
+class FloorMarch:
+    """One structure on a floor, whose motion is another one at each Omega of the
+    ground; the cells of one Omega are marched together. It only looks for frequencies,
+    so its floors have fewer steps.
+    """
+
+    def __init__(self, one: FrequencyRange) -> None:
+        self.one = one
+        self.a_g = float(one.structure.ground_acceleration(one.amplitude))
+        self.floors: dict[float, Motion] = {}
+
+    def floor(self, omega: float) -> Motion:
+        """Return the motion of the floor at an Omega of the ground."""
+        if omega not in self.floors:
+            one = self.one
+            assert one.building is not None
+            omega_g = omega * one.structure.p
+            self.floors[omega] = floor_of(
+                one.motion, one.building, self.a_g, omega_g, per_cycle=_STEPS
+            )
+        return self.floors[omega]
+
+    def response(
+        self, which: Array, amplitude: Array, omega: Array, peaks: bool = True
+    ) -> tuple[Array, Array, Array]:
+        """As `SharedMarch.response`."""
+        found = np.full(omega.size, np.nan), *np.zeros((2, omega.size), dtype=np.int32)
+        own = np.array([1.0 / self.one.structure.p])
+        for here in np.unique(omega).tolist():
+            at = np.flatnonzero(omega == here)
+            floor = self.floor(here)
+            how = cheaper(self.one.system, floor, at.size)
+            answer = response(
+                self.one.system, floor, amplitude[at], own, peaks=peaks, how=how
+            )
+            found[0][at], found[1][at] = answer.theta_ratio, answer.outcome
+            found[2][at] = answer.impacts_at_least
+        return found
+
+    def of_rows(self, which: Array, omega: Array) -> RowMarch:
+        """As `SharedMarch.of_rows`."""
+        return lambda row, amplitude: self.response(
+            which[row], amplitude, omega[row], peaks=False
+        )[1:]
+
+
+class FloorSearch(FrequencySearch):
+    """The search for the worst Omega of one structure on a floor. Its amplitudes are
+    those of a ladder.
+    """
+
+    fine = _FINE_ON_FLOORS
+
+    def __init__(
+        self, ranges: Sequence[FrequencyRange], motion: Motion, tell: Tell
+    ) -> None:
+        (one,) = ranges
+        if one.most is None:
+            one = one._replace(most=_OUTCOME_REACH * one.amplitude)
+        self.floors = FloorMarch(one)
+        super().__init__([one], motion, tell, self.floors)
+
+    def _between(self, bodies: Sequence[int]) -> Iterator[tuple[int, float]]:
+        for body, omega in zip(bodies, self.least(), strict=False):
+            if omega is not None and not self._stands(body, omega):
+                yield body, omega
+
+    def _first_falls(
+        self, body: Array, omega: Array, most: Array, tell: Tell = lambda _: None
+    ) -> Array:
+        (one,) = self.ranges
+        uplift = np.array(
+            [one.system.least_uplift(self.floors.floor(x)) for x in omega.tolist()]
+        )
+        return lowest_falls(
+            self.march.of_rows(body, omega),
+            Climb(uplift, most[body], uplift, _LADDER_ON_FLOORS),
+            self.fine,
+            rivals=body,
+            stretch=_RUNGS_ON_FLOORS,
+            tell=tell,
+        ).amplitude
+
+    def _first_at(self, one: FrequencyRange, omega: float, most: float) -> float:
+        return float(self._first_falls(_ONE, np.array([omega]), np.array([most]))[0])
+
+
+def search_of(
+    ranges: Sequence[FrequencyRange], motion: Motion, tell: Tell = lambda _: None
+) -> FrequencySearch:
+    """Return the search of several structures on the ground, or of one on a floor."""
+    if ranges[0].building:
+        return FloorSearch(ranges, motion, tell)
+    return FrequencySearch(ranges, motion, tell)
 
 
 def _minima(own: Array, rows: ScanRows, first: Array) -> Array:

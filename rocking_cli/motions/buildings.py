@@ -16,17 +16,19 @@ motion of the ground is not filtered.
 """
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from ..arrays import Array
 from ..errors import UsageError
+from ..structures.building_modes import ONE_EACH, FloorMode, parse_mode, repeated
+from ..structures.parameters import RockingParameters
 from .blocks import largest
-from .building_modes import FloorMode, parse_mode
 from .given import AnyMotion, motion_from
+from .grid import Grid, as_recorded
 from .motion import Floor, Motion, Piece, upwards
 from .polyline import Polyline
 from .response_spectra import gain, rise
@@ -35,6 +37,10 @@ if TYPE_CHECKING:
     from .records.record import Record
 
 
+NEEDS_UNITS = (
+    "a building goes with an amplitude and a frequency that have units: expected a_g"
+    " and f_g, T_g or omega_g"
+)
 CHORD = 1e-3  # of the largest acceleration of the floor
 TAIL = 1e-3  # of it, that the free vibration has at the end
 CYCLE = 400  # steps in a cycle of a pulse
@@ -110,12 +116,8 @@ def parse_building(texts: Sequence[str]) -> Building | None:
     (FloorMode(period=0.4, damping=0.05, gamma_psi=1.0),)
     """
     modes = tuple(parse_mode(text) for text in texts)
-    periods = [mode.period for mode in modes]
-    if twice := [x for x in periods if periods.count(x) > 1]:
-        raise UsageError(
-            f"`building`: found two modes of T = {twice[0]:g} s; expected one mode for"
-            " each period"
-        )
+    if twice := repeated(modes):
+        raise UsageError(f"`building`: found {twice}; expected {ONE_EACH}")
     return Building(modes) if modes else None
 
 
@@ -131,9 +133,9 @@ class _LinearSteps(NamedTuple):
     angle: Array  # argument of each sinusoid at the start [rad], (H, n)
 
     @classmethod
-    def of(cls, motion: Motion, omega: float) -> "_LinearSteps":
+    def of(cls, motion: Motion, omega: float, per_cycle: int) -> "_LinearSteps":
         """Return the steps of a motion of this frequency [rad/s]: its straight pieces,
-        and CYCLE steps in a cycle of its fastest sinusoid.
+        and so many steps in a cycle of its fastest sinusoid.
         """
         if isinstance(motion, Polyline):
             length = (motion.stop - motion.start) / omega
@@ -143,7 +145,7 @@ class _LinearSteps(NamedTuple):
         most = max(len(piece.harmonics) for piece in motion.pieces)
         columns: list[list[Array]] = [[], [], [], [], []]
         for piece, other in _pairs(motion):
-            phase = _marks_of(piece, other)
+            phase = _marks_of(piece, other, per_cycle)
             line = piece.constant + piece.slope * (phase - piece.start)
             own = np.zeros((3, most, phase.size - 1))
             own[1] = 1.0
@@ -210,12 +212,13 @@ def _pairs(motion: Motion) -> Iterator[tuple[Piece, Piece]]:
     yield from zip(motion.pieces, up.pieces, strict=True)
 
 
-def _marks_of(piece: Piece, other: Piece) -> Array:
+def _marks_of(piece: Piece, other: Piece, per_cycle: int) -> Array:
     """Return the phases [rad] at the ends of the steps of two pieces."""
     waves = (*piece.harmonics, *other.harmonics)
     fastest = max((h.frequency for h in waves), default=0.0)
     length = piece.stop - piece.start
-    count = max(1, math.ceil(length * fastest * CYCLE / math.tau * (1.0 - 1e-12)))
+    cycles = length * fastest / math.tau
+    count = max(1, math.ceil(cycles * per_cycle * (1.0 - 1e-12)))
     return np.linspace(piece.start, piece.stop, count + 1)
 
 
@@ -265,6 +268,7 @@ def floor_of(
     a_g: float | None = None,
     omega: float = 1.0,
     name: str = "",
+    per_cycle: int = CYCLE,
 ) -> Motion:
     """Return the motion of a floor of a building, in its own time: absolute
     acceleration over the a_g of the ground, as straight lines between exact values.
@@ -282,6 +286,8 @@ def floor_of(
         frequency of the ground [rad/s], 1 of a record
     name
         by default that of the ground with the periods
+    per_cycle
+        steps in a cycle of a pulse, at least
 
     Returns
     -------
@@ -303,7 +309,7 @@ def floor_of(
     ground = motion_from(ground)
     if isinstance(building, str):
         building = Building((parse_mode(building),))
-    whole = _LinearSteps.of(ground, omega)
+    whole = _LinearSteps.of(ground, omega, per_cycle)
     parts = 1
     while True:
         if parts * whole.length.size > MOST:
@@ -343,6 +349,45 @@ def floor_of(
         vertical,
         Floor(chord, ground, omega),
     )
+
+
+def moved_by_floor(
+    ground: Motion, shaking: Grid, building: Building
+) -> tuple[Motion, Grid]:
+    """Return the motion of a floor and its demand, for that of the ground; the demand
+    stays that of the ground. Raises UsageError for a pulse whose amplitude or frequency
+    is dimensionless.
+    """
+    if ground.acceleration is not None:
+        return floor_of(ground, building), shaking
+    if shaking.dimensionless or shaking.amplitude.name != "a_g":
+        raise UsageError(NEEDS_UNITS)
+    a_g = float(shaking.amplitude.values[0])
+    omega = float(shaking.frequency.values[0])
+    return floor_of(ground, building, a_g, omega), as_recorded(a_g)
+
+
+def on_floors(
+    demands: Iterable[tuple[RockingParameters, Motion, Grid]],
+) -> list[tuple[RockingParameters, Motion, Grid]]:
+    """Return demands (structure, motion, shaking) with each structure that stands in a
+    building under the motion of its floor; the motion of a floor stays as it is. Raises
+    UsageError as `moved_by_floor`.
+    """
+    # of each motion, demand and building; structures in one building share its motion
+    known: dict[tuple[Any, ...], tuple[Motion, Grid]] = {}
+    found = []
+    for structure, motion, shaking in demands:
+        modes = structure.building
+        if modes:
+            structure = replace(structure, building=())
+        if modes and motion.floor is None:
+            key = id(motion), id(shaking), modes
+            if key not in known:
+                known[key] = moved_by_floor(motion, shaking, Building(modes))
+            motion, shaking = known[key]
+        found.append((structure, motion, shaking))
+    return found
 
 
 def floor_record(record: "Record", building: Building) -> "tuple[Record, float]":

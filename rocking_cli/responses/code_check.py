@@ -25,7 +25,7 @@ from ..dynamics.response import response
 from ..envelopes.first_falls import Climb, lowest_falls
 from ..errors import UsageError
 from ..motions import Motion
-from ..motions.building_modes import FloorMode
+from ..motions.buildings import on_floors
 from ..motions.design_spectra import (
     AnySpectrum,
     FloorSpectrum,
@@ -36,6 +36,7 @@ from ..motions.design_spectra import (
 from ..motions.given import AnyMotion, demand_of
 from ..motions.grid import Grid
 from ..showing import Shown
+from ..structures.building_modes import FloorMode
 from ..structures.given import Structure, structure_from
 from ..structures.mechanics.capacity_curve import CapacityCurve, capacity_curves
 from ..structures.parameters import RockingParameters
@@ -305,7 +306,8 @@ def code_check(
         that of SLC, which has another return period; without one of the two its limit
         state is not checked
     floor
-        the modes of the building that carries the body, on a ground with this spectrum
+        the modes of the building that carries the body, on a ground with this spectrum;
+        by default those of the structure
     confidence
         confidence factor FC of the code [-], from 1
 
@@ -340,7 +342,10 @@ def code_check(
             " 1.35"
         )
     sites = {"slv": site, "slc": site_slc}
-    apart = bool(floor)  # from the dynamics, which are those on the ground
+    # from the dynamics, which are those on the ground
+    apart = bool(floor) and not structure.building
+    floor = floor or structure.building
+    structure = replace(structure, building=())
     if isinstance(motion, Motion) and motion.floor is not None:
         apart = False
     asked = {key: _of_file(one, floor) for key, one in sites.items() if one is not None}
@@ -501,17 +506,17 @@ def first_beyond(
     >>> round(first_beyond(column, sine(), parse_grid("a_g=0.3g,T_g=0.4")) / 9.81, 3)
     0.571
     """
-    structure = structure_from(structure)
-    motion, shaking = demand_of(motion, shaking)
+    body = structure_from(structure)
+    ((structure, moved, shaking),) = on_floors([(body, *demand_of(motion, shaking))])
     demand, omega = shaking.cell(structure)
     system = governing_method(structure, dimensionless=shaking.dimensionless).system_of(
         structure
     )
-    low = system.least_uplift(motion)
+    low = system.least_uplift(moved)
     top = 10.0 * demand if most is None else structure.dimensionless_amplitude(most)
 
     def march(row: np.ndarray, amplitude: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        found = response(system, motion, amplitude, omega, how="floats")
+        found = response(system, moved, amplitude, omega, how="floats")
         with np.errstate(invalid="ignore"):
             beyond = found.theta_ratio > share  # counts as a fall
         found.outcome[beyond] = Outcome.OVERTURNED_AFTER_IMPACT

@@ -24,6 +24,7 @@ from ..envelopes.withstanding import withstand
 from ..envelopes.worst import at_worst_frequency
 from ..errors import UsageError
 from ..motions import Motion
+from ..motions.buildings import on_floors
 from ..motions.given import AnyMotion, Shake, demand_of, demands_of
 from ..motions.grid import Grid
 from ..processes import available_cpus
@@ -494,7 +495,9 @@ class _BoundarySearch:
             for shake in (*self.shakes, *self.opposite)
             for one in structures
         ]
-        return demands if self.up_to is None else self._at_worst(value, demands)
+        if self.up_to is not None:
+            demands = self._at_worst(value, demands)
+        return on_floors(demands)
 
     def _members(self, value: float) -> list[Member]:
         """Return the structures of a value of the key, of a stack each interface."""
