@@ -43,7 +43,7 @@ class CodeOptions:
     code: str | None = option(
         "--code",
         "Check by the Italian code as well: code_linear, code_slv, …",
-        type=click.Choice(["ntc2018"]),
+        type=click.Choice(["ntc2018"], case_sensitive=False),
     )
     spectrum: str | None = option(
         "--spectrum",
@@ -157,7 +157,7 @@ def check(
     if by_code is not None:
         by_code.stand_on(asked.carrier, stated.structures)
     known = known_columns(stated, wanted, by_code is not None, drawn.draws is not None)
-    require_columns(known)
+    require_columns(known, wanted.sort)
     if wanted.output is not None:
         options.check_target(wanted.output, wanted.overwrite)
     if by_code and of_code.spectrum and not stated.shakes:

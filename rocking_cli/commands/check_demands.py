@@ -83,7 +83,7 @@ def demands_on(
     options of the motion are known to be right. Raises UsageError.
     """
     from ..dynamics.method import has_direction
-    from ..motions.buildings import on_floors
+    from ..motions.floors import on_floors
 
     # over a range the motion of a floor is another one at each frequency
     carrier = motions.building if asked.ends() else None
@@ -132,7 +132,7 @@ def at_worst(demands: Demands, limit: Limit | None, workers: int | None) -> Dema
         demands = _at_worst_azimuth(demands, demands.azimuths, limit, workers)
     if demands.up_to is not None:
         demands = _at_worst_frequency(demands, limit, workers)
-    from ..motions.buildings import on_floors
+    from ..motions.floors import on_floors
 
     demands.rows = on_floors(demands.rows)
     _note_long(demands, limit)

@@ -181,9 +181,9 @@ class Ground:
         """
         if self.building is None or self.motion is None:
             return replace(self, grid=grid)
-        from ..motions.buildings import moved_by_floor
+        from ..motions.floors import moved_by_floor
 
-        motion, grid = moved_by_floor(self.motion, grid, self.building)
+        motion, grid = moved_by_floor(self.motion, grid, self.building.modes)
         return replace(self, motion=motion, grid=grid, building=None)
 
 

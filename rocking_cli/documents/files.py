@@ -1,18 +1,21 @@
 """Reads the bytes of a file that a user names; `-` is standard input."""
 
 import os
+import re
 import select
 import stat
 import sys
 from collections.abc import Sequence
+from contextlib import suppress
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
-from ..errors import DocumentError, UsageError
+from ..errors import DocumentError, UsageError, did_you_mean
 
 LARGEST = 256 << 20  # bytes of a file
 STDIN = "<stdin>"
+_SIZES = re.compile(r"[0-9.]+ *x *[0-9.]+ *[a-z]*")  # 0.5x2
 _PATIENCE = 2.0  # s that a pipe may be without a writer
 
 
@@ -59,15 +62,33 @@ def read_bytes(path: str | Path) -> tuple[str, bytes]:
             with open(path, "rb", opener=_with_a_writer) as file:
                 size = os.fstat(file.fileno()).st_size
                 raw = b"" if size > LARGEST else file.read(LARGEST + 1)
-    except OSError as error:
+    except IsADirectoryError:
         raise UsageError(
-            f"{source}: cannot be read: {error.strerror or error}"
+            f"{source}: found a folder; expected a file, or several: {source}/*"
+        ) from None
+    except OSError as error:
+        near = _near(source) if isinstance(error, FileNotFoundError) else ""
+        raise UsageError(
+            f"{source}: cannot be read: {error.strerror or error}{near}"
         ) from None
     if max(size, len(raw)) > LARGEST:
         raise DocumentError(
             f"{source}: larger than {LARGEST >> 20} MiB, the limit of a file"
         )
     return source, raw
+
+
+def _near(path: str) -> str:
+    """Return a question on the file of the same folder that a name probably means, or
+    on the structure that its sizes mean; else an empty text.
+    """
+    if _SIZES.fullmatch(path):
+        return f" (did you mean 'block:{path}'?)"
+    folder, name = os.path.split(path)
+    with suppress(OSError):
+        near = did_you_mean(name, os.listdir(folder or "."))
+        return near.replace("mean '", f"mean '{folder}/") if folder else near
+    return ""
 
 
 def _with_a_writer(path: str, flags: int) -> int:

@@ -13,13 +13,13 @@ import numpy as np
 from ..arrays import Array
 from ..dynamics.method import Method, governing_method
 from ..dynamics.outcome import safe
-from ..dynamics.response import cheaper, response
 from ..dynamics.shared_march import SharedMarch
 from ..dynamics.system import System
 from ..errors import UsageError
 from ..motions import Motion
-from ..motions.buildings import NEEDS_UNITS, Building, floor_of
+from ..motions.floors import NEEDS_UNITS
 from ..motions.grid import Axis, Grid
+from ..structures.building_modes import FloorMode
 from ..structures.parameters import RockingParameters
 from .amplitudes import Limit, limit_of
 from .boundaries import looks_finely
@@ -32,12 +32,8 @@ _RATIO = 1.04
 # minimum
 _INSIDE = 1e-4
 _FINE = 1e-6  # relative width to which the frequency of a minimum is found
-# on a floor, whose straight lines miss 1e-3 of its peak: this width, also of brackets;
-# steps in a cycle; ratio of the amplitudes minus 1, and amplitudes computed together
-_FINE_ON_FLOORS, _STEPS = 1e-3, 72
-_LADDER_ON_FLOORS, _RUNGS_ON_FLOORS = 0.05, 12
 # times the demand: the search for falls between the frequencies of an outcome scan
-_OUTCOME_REACH = 1.5
+OUTCOME_REACH = 1.5
 _LADDER = 2e-3  # ratio of the amplitudes of this search, minus 1
 _RUNGS = 250  # amplitudes that are computed together: all of them
 _SCANNED = 0.6  # about the share of the scan of a search
@@ -45,8 +41,6 @@ _SCANNED = 0.6  # about the share of the scan of a search
 # frequencies that are tried in each of them
 _CLOSER, _TRIED = (1.0, 0.125, 0.015625), 17
 _HALF = 12  # searches around minima after which half of the rest is taken as done
-
-_ONE = np.zeros(1, dtype=np.int64)  # the rows of the one body of a search
 
 
 class RowsMarch(Protocol):
@@ -94,7 +88,7 @@ class FrequencyRange(NamedTuple):
     system: System  # the system of the structure
     uplift: float  # least A that lifts it [-]; on a floor 0, as it is not known
     most: float | None  # largest A of the search [-], None if only outcomes are wanted
-    building: Building | None  # on whose floor it stands; None on the ground
+    modes: tuple[FloorMode, ...]  # of the building below it, none on the ground
 
     @classmethod
     def of(
@@ -125,7 +119,7 @@ class FrequencyRange(NamedTuple):
             system,
             0.0 if modes else system.least_uplift(motion),
             None if a_max is None else limit_of(a_max, structure),
-            Building(modes) if modes else None,
+            modes,
         )
 
     @property
@@ -450,7 +444,7 @@ class FrequencySearch:
             one = self.ranges[body]
             if body in done:
                 continue
-            reach = _OUTCOME_REACH * one.amplitude
+            reach = OUTCOME_REACH * one.amplitude
             first, omega = self._minimum(one, rows.around(row), reach)
             if first > one.amplitude:
                 continue
@@ -466,7 +460,7 @@ class FrequencySearch:
         demand = self.amplitude[body]
         return lowest_falls(
             self.march.of_rows(body, omega),
-            Climb(demand, _OUTCOME_REACH * demand, demand, _LADDER),
+            Climb(demand, OUTCOME_REACH * demand, demand, _LADDER),
             stretch=_RUNGS,
         ).amplitude
 
@@ -482,108 +476,12 @@ class FrequencySearch:
             self._first_falls(
                 np.tile(rows.body[ends], 2),
                 np.append(rows.omega[ends], rows.insides(ends)),
-                _OUTCOME_REACH * self.amplitude,
+                OUTCOME_REACH * self.amplitude,
             ),
             2,
         )
         found[rows.at_an_end(lowest)] = inside < first
         return found
-
-
-class FloorMarch:
-    """One structure on a floor, whose motion is another one at each Omega of the
-    ground; the cells of one Omega are marched together. It only looks for frequencies,
-    so its floors have fewer steps.
-    """
-
-    def __init__(self, one: FrequencyRange) -> None:
-        self.one = one
-        self.a_g = float(one.structure.ground_acceleration(one.amplitude))
-        self.floors: dict[float, Motion] = {}
-
-    def floor(self, omega: float) -> Motion:
-        """Return the motion of the floor at an Omega of the ground."""
-        if omega not in self.floors:
-            one = self.one
-            assert one.building is not None
-            omega_g = omega * one.structure.p
-            self.floors[omega] = floor_of(
-                one.motion, one.building, self.a_g, omega_g, per_cycle=_STEPS
-            )
-        return self.floors[omega]
-
-    def response(
-        self, which: Array, amplitude: Array, omega: Array, peaks: bool = True
-    ) -> tuple[Array, Array, Array]:
-        """As `SharedMarch.response`."""
-        found = np.full(omega.size, np.nan), *np.zeros((2, omega.size), dtype=np.int32)
-        own = np.array([1.0 / self.one.structure.p])
-        for here in np.unique(omega).tolist():
-            at = np.flatnonzero(omega == here)
-            floor = self.floor(here)
-            how = cheaper(self.one.system, floor, at.size)
-            answer = response(
-                self.one.system, floor, amplitude[at], own, peaks=peaks, how=how
-            )
-            found[0][at], found[1][at] = answer.theta_ratio, answer.outcome
-            found[2][at] = answer.impacts_at_least
-        return found
-
-    def of_rows(self, which: Array, omega: Array) -> RowMarch:
-        """As `SharedMarch.of_rows`."""
-        return lambda row, amplitude: self.response(
-            which[row], amplitude, omega[row], peaks=False
-        )[1:]
-
-
-class FloorSearch(FrequencySearch):
-    """The search for the worst Omega of one structure on a floor. Its amplitudes are
-    those of a ladder.
-    """
-
-    fine = _FINE_ON_FLOORS
-
-    def __init__(
-        self, ranges: Sequence[FrequencyRange], motion: Motion, tell: Tell
-    ) -> None:
-        (one,) = ranges
-        if one.most is None:
-            one = one._replace(most=_OUTCOME_REACH * one.amplitude)
-        self.floors = FloorMarch(one)
-        super().__init__([one], motion, tell, self.floors)
-
-    def _between(self, bodies: Sequence[int]) -> Iterator[tuple[int, float]]:
-        for body, omega in zip(bodies, self.least(), strict=False):
-            if omega is not None and not self._stands(body, omega):
-                yield body, omega
-
-    def _first_falls(
-        self, body: Array, omega: Array, most: Array, tell: Tell = lambda _: None
-    ) -> Array:
-        (one,) = self.ranges
-        uplift = np.array(
-            [one.system.least_uplift(self.floors.floor(x)) for x in omega.tolist()]
-        )
-        return lowest_falls(
-            self.march.of_rows(body, omega),
-            Climb(uplift, most[body], uplift, _LADDER_ON_FLOORS),
-            self.fine,
-            rivals=body,
-            stretch=_RUNGS_ON_FLOORS,
-            tell=tell,
-        ).amplitude
-
-    def _first_at(self, one: FrequencyRange, omega: float, most: float) -> float:
-        return float(self._first_falls(_ONE, np.array([omega]), np.array([most]))[0])
-
-
-def search_of(
-    ranges: Sequence[FrequencyRange], motion: Motion, tell: Tell = lambda _: None
-) -> FrequencySearch:
-    """Return the search of several structures on the ground, or of one on a floor."""
-    if ranges[0].building:
-        return FloorSearch(ranges, motion, tell)
-    return FrequencySearch(ranges, motion, tell)
 
 
 def _minima(own: Array, rows: ScanRows, first: Array) -> Array:

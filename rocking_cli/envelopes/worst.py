@@ -16,7 +16,7 @@ from ..motions.grid import Grid
 from ..processes import available_cpus, part_reporter
 from ..structures.parameters import RockingParameters
 from .amplitudes import Limit
-from .frequency_search import FrequencyRange, Tell, WorstFrequency, search_of
+from .frequency_search import FrequencyRange, FrequencySearch, Tell, WorstFrequency
 from .intervals import A_MAX, in_turn
 
 # share of a search that counts when its result has come from its process
@@ -159,6 +159,17 @@ def _of_a_group(
         one.worst(*both, low, high)
         for one, both in zip(ranges, found.largest(omegas), strict=True)
     ]
+
+
+def search_of(
+    ranges: Sequence[FrequencyRange], motion: Motion, tell: Tell = lambda _: None
+) -> FrequencySearch:
+    """Return the search of several structures on the ground, or of one on a floor."""
+    if ranges[0].modes:
+        from .floor_search import FloorSearch
+
+        return FloorSearch(ranges, motion, tell)
+    return FrequencySearch(ranges, motion, tell)
 
 
 def beyond_the_end(

@@ -16,19 +16,17 @@ motion of the ground is not filtered.
 """
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from ..arrays import Array
 from ..errors import UsageError
 from ..structures.building_modes import ONE_EACH, FloorMode, parse_mode, repeated
-from ..structures.parameters import RockingParameters
 from .blocks import largest
 from .given import AnyMotion, motion_from
-from .grid import Grid, as_recorded
 from .motion import Floor, Motion, Piece, upwards
 from .polyline import Polyline
 from .response_spectra import gain, rise
@@ -37,10 +35,6 @@ if TYPE_CHECKING:
     from .records.record import Record
 
 
-NEEDS_UNITS = (
-    "a building goes with an amplitude and a frequency that have units: expected a_g"
-    " and f_g, T_g or omega_g"
-)
 CHORD = 1e-3  # of the largest acceleration of the floor
 TAIL = 1e-3  # of it, that the free vibration has at the end
 CYCLE = 400  # steps in a cycle of a pulse
@@ -349,45 +343,6 @@ def floor_of(
         vertical,
         Floor(chord, ground, omega),
     )
-
-
-def moved_by_floor(
-    ground: Motion, shaking: Grid, building: Building
-) -> tuple[Motion, Grid]:
-    """Return the motion of a floor and its demand, for that of the ground; the demand
-    stays that of the ground. Raises UsageError for a pulse whose amplitude or frequency
-    is dimensionless.
-    """
-    if ground.acceleration is not None:
-        return floor_of(ground, building), shaking
-    if shaking.dimensionless or shaking.amplitude.name != "a_g":
-        raise UsageError(NEEDS_UNITS)
-    a_g = float(shaking.amplitude.values[0])
-    omega = float(shaking.frequency.values[0])
-    return floor_of(ground, building, a_g, omega), as_recorded(a_g)
-
-
-def on_floors(
-    demands: Iterable[tuple[RockingParameters, Motion, Grid]],
-) -> list[tuple[RockingParameters, Motion, Grid]]:
-    """Return demands (structure, motion, shaking) with each structure that stands in a
-    building under the motion of its floor; the motion of a floor stays as it is. Raises
-    UsageError as `moved_by_floor`.
-    """
-    # of each motion, demand and building; structures in one building share its motion
-    known: dict[tuple[Any, ...], tuple[Motion, Grid]] = {}
-    found = []
-    for structure, motion, shaking in demands:
-        modes = structure.building
-        if modes:
-            structure = replace(structure, building=())
-        if modes and motion.floor is None:
-            key = id(motion), id(shaking), modes
-            if key not in known:
-                known[key] = moved_by_floor(motion, shaking, Building(modes))
-            motion, shaking = known[key]
-        found.append((structure, motion, shaking))
-    return found
 
 
 def floor_record(record: "Record", building: Building) -> "tuple[Record, float]":

@@ -18,7 +18,7 @@ from ..envelopes.capacity import Capacity, CapacitySearch, begun_together
 from ..envelopes.intervals import A_MAX
 from ..errors import UsageError
 from ..motions import Motion
-from ..motions.buildings import on_floors
+from ..motions.floors import on_floors
 from ..motions.given import AnyMotion, demand_of
 from ..motions.grid import Grid
 from ..processes import available_cpus, part_reporter, processes

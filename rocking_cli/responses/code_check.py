@@ -25,7 +25,6 @@ from ..dynamics.response import response
 from ..envelopes.first_falls import Climb, lowest_falls
 from ..errors import UsageError
 from ..motions import Motion
-from ..motions.buildings import on_floors
 from ..motions.design_spectra import (
     AnySpectrum,
     FloorSpectrum,
@@ -33,6 +32,7 @@ from ..motions.design_spectra import (
     SpectrumFile,
     read_spectrum,
 )
+from ..motions.floors import on_floors
 from ..motions.given import AnyMotion, demand_of
 from ..motions.grid import Grid
 from ..showing import Shown

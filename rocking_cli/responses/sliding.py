@@ -17,7 +17,7 @@ from ..dynamics.outcome import LOST, Outcome
 from ..dynamics.sliding import Base, Sliding, Slip
 from ..errors import ArgumentError, UsageError
 from ..motions import Motion
-from ..motions.buildings import on_floors
+from ..motions.floors import on_floors
 from ..motions.given import AnyMotion, demand_of
 from ..motions.grid import Grid
 from ..showing import Shown

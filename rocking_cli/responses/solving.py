@@ -24,7 +24,7 @@ from ..envelopes.withstanding import withstand
 from ..envelopes.worst import at_worst_frequency
 from ..errors import UsageError
 from ..motions import Motion
-from ..motions.buildings import on_floors
+from ..motions.floors import on_floors
 from ..motions.given import AnyMotion, Shake, demand_of, demands_of
 from ..motions.grid import Grid
 from ..processes import available_cpus

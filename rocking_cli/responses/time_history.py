@@ -14,7 +14,7 @@ from ..dynamics.method import Method, governing_method, methods_of
 from ..dynamics.outcome import LOST, Outcome
 from ..errors import ArgumentError, StructureError, UsageError
 from ..motions import Motion, Piece
-from ..motions.buildings import on_floors
+from ..motions.floors import on_floors
 from ..motions.given import AnyMotion, demand_of
 from ..motions.grid import Grid
 from ..showing import Shown

@@ -43,7 +43,6 @@ MODE = Keys(
         )
     },
 )
-_HINTS = {"xi": ", such as 0.05 for 5 %"}
 # keys without a default; a code takes no participation for granted
 _NEEDED = {"building": tuple(MODE.required), "floor": tuple(MODE.all)}
 ONE_EACH = "one mode for each period"
@@ -84,8 +83,8 @@ def parse_mode(text: str, option: str = "building") -> FloorMode:
         raise UsageError(f"`{option}`: found {why}{text!r}; expected {_FORM}")
     found = {}
     for key, value in given.items():
-        told, hint = MODE.all[key], _HINTS.get(key, "")
-        number = quantity_at(f"`{option}`: {key}", value, told.form, hint=hint)
+        told = MODE.all[key]
+        number = quantity_at(f"`{option}`: {key}", value, told.form)
         if not _holds(key, number):
             zero = key == "xi" and number == 0.0
             why = ", without which the floor never rests" if zero else ""

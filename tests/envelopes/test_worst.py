@@ -25,10 +25,9 @@ from rocking_cli.envelopes.frequency_search import (
     FrequencyRange,
     ScanRows,
     _minima,
-    search_of,
 )
 from rocking_cli.envelopes.intervals import trace_envelope
-from rocking_cli.envelopes.worst import at_worst_frequency
+from rocking_cli.envelopes.worst import at_worst_frequency, search_of
 
 
 @pytest.mark.soak
