@@ -68,7 +68,7 @@ def solve(
     0.5:2) the worst one counts. Two boundaries between neighbouring values of the scan
     may be missed. The equation is the governing one, as in rocking check.
     """
-    from ..responses.solving import SCAN, boundaries
+    from ..responses.solving import SCAN, NoAnswer, boundaries
     from ..structures.family import parse_variation
     from .check_remarks import narrow_intervals
 
@@ -109,7 +109,7 @@ def solve(
         edges += found
         source = f"{document.source}: " if len(documents) > 1 else ""
         remarks += [f"{source}{line}" for line in lines]
-        partly(any(line.startswith("no ") for line in lines))
+        partly(any(isinstance(line, NoAnswer) for line in lines))
 
     emit(rows, COLUMNS)
     if figure.output is not None:

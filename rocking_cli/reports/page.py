@@ -290,8 +290,7 @@ def _of_code(
             cells["motion"] = one.motion
         for key, head in METHODS.items():
             if key in ratios or head in one.check.asked:
-                said = one.check.sentence(key).removeprefix(f"{head}: ")
-                cells[f"{head}: verdict"] = said.partition(" (")[0]
+                cells[f"{head}: verdict"] = one.check.verdict(key)
                 cells[f"{head}: accepted over demand"] = ratios.get(key)
         rows.append(_row(_labelled(cells, labels), falls=not one.verified))
     return {

@@ -235,12 +235,29 @@ class CodeCheck(Shown):
         str
             with the accepted amplitude over the demand, rounded down
         """
-        ratio = self.ratios().get(key)
+        ratio, said = self.ratios().get(key), f"{METHODS[key]}: {self.verdict(key)}"
         if ratio is None:
             why = self.unanswered.get(METHODS[key], "it has no spectrum")
-            return f"{METHODS[key]}: not known ({why})"
+            return f"{said} ({why})"
         shown = Decimal(repr(ratio)).quantize(Decimal("0.01"), ROUND_FLOOR)
-        return f"{METHODS[key]}: {'not ' * (ratio < 1.0)}verified ({shown})"
+        return f"{said} ({shown})"
+
+    def verdict(self, key: str) -> str:
+        """Return "verified", "not verified" or "not known".
+
+        Parameters
+        ----------
+        key
+            the method, as of `sentence`
+
+        Returns
+        -------
+        str
+        """
+        ratio = self.ratios().get(key)
+        if ratio is None:
+            return "not known"
+        return "verified" if ratio >= 1.0 else "not verified"
 
     def promises(self, fall: float | None, beyond: float | None) -> list[str]:
         """Return a sentence on each method that accepts more than the dynamics do.

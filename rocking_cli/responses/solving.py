@@ -111,6 +111,10 @@ class Boundary(Shown):
         }
 
 
+class NoAnswer(str):
+    """A remark on a value of which it is not known whether the structure stands."""
+
+
 def boundaries(
     document: Document | str | Path,
     varied: Variation | str,
@@ -432,7 +436,7 @@ class _BoundarySearch:
         return math.floor(motions * (1.0 - self.share) + 1e-9)
 
     def _no_verdict(self, value: float) -> None:
-        self.remarks.append(f"no verdict for {self.varied.key} = {value:g}")
+        self.remarks.append(NoAnswer(f"no verdict for {self.varied.key} = {value:g}"))
 
     def excess(self, value: float) -> float:
         """Return ln(capacity_demand/margin) for a value of the key; NaN if there is no
@@ -475,7 +479,7 @@ class _BoundarySearch:
         if faults:
             self.known[value] = math.nan
             self.remarks.append(
-                f"no solution for {self.varied.key} = {value:g}: {faults[0]}"
+                NoAnswer(f"no solution for {self.varied.key} = {value:g}: {faults[0]}")
             )
             return []
         structures = [x.parameters for x in members if x.parameters is not None]
@@ -573,8 +577,10 @@ class _BoundarySearch:
             exact = self._narrowed(low, high, above)
         except UsageError as error:  # no equation holds at a value between them
             self.remarks.append(
-                f"no verdict for {self.varied.key} between {low:g} and {high:g}:"
-                f" {error}"
+                NoAnswer(
+                    f"no verdict for {self.varied.key} between {low:g} and {high:g}:"
+                    f" {error}"
+                )
             )
             return None
         if exact is None:
