@@ -335,17 +335,16 @@ class _BoundarySearch:
 
         stands: True if the structure stands at the value `judged`.
         """
-        key = self.varied.key
 
         def exists(value: float) -> bool | None:
             return None if any(one.fault for one in self._members(value)) else stands
 
         edge, _ = self._closest(without, judged, stands, exists)
-        said = f"there is a structure {to} {key} = {edge:.6g}"
+        said = f"there is a structure {to} {self._at(edge)}"
         there = self._verdict(edge)
         if there is None:  # no equation holds, or the search fails
             edge, there = self._closest(edge, judged, stands, self._verdict)
-            said += f", and a verdict {to} {key} = {edge:.6g}" * (there is stands)
+            said += f", and a verdict {to} {self._at(edge)}" * (there is stands)
         if there is stands:
             said += f", where it {'stands' if stands else 'does not stand'}"
         self.remarks.append(said)
@@ -435,8 +434,13 @@ class _BoundarySearch:
         """The number of motions under which the structure may fall."""
         return math.floor(motions * (1.0 - self.share) + 1e-9)
 
+    def _at(self, value: float) -> str:
+        """Return the key with a value in words, and the unit that the range states."""
+        unit = f" {self.varied.unit}" if self.varied.unit else ""
+        return f"{self.varied.key} = {value:.6g}{unit}"
+
     def _no_verdict(self, value: float) -> None:
-        self.remarks.append(NoAnswer(f"no verdict for {self.varied.key} = {value:g}"))
+        self.remarks.append(NoAnswer(f"no verdict for {self._at(value)}"))
 
     def excess(self, value: float) -> float:
         """Return ln(capacity_demand/margin) for a value of the key; NaN if there is no
@@ -479,7 +483,7 @@ class _BoundarySearch:
         if faults:
             self.known[value] = math.nan
             self.remarks.append(
-                NoAnswer(f"no solution for {self.varied.key} = {value:g}: {faults[0]}")
+                NoAnswer(f"no solution for {self._at(value)}: {faults[0]}")
             )
             return []
         structures = [x.parameters for x in members if x.parameters is not None]
