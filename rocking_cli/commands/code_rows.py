@@ -185,6 +185,7 @@ class CodeRows:
             if (
                 len(verdicts) < 2
                 or self.given["floor"]
+                or name in self.floors
                 or structure.mechanism
                 or structure.restraints
                 or structure.sides

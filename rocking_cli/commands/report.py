@@ -113,6 +113,7 @@ def report(
     if drawn.draws is not None:
         require_spreads(stated.structures)
     if by_code is not None:
+        by_code.stand_on(asked.carrier, stated.structures)
         require_geometry(stated.structures)
     list(options.introduced(stated.structures))
     options.note_interfaces(stated.structures)

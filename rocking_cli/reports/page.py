@@ -280,7 +280,11 @@ def _of_code(
     and a row for each check, red if a limit state is not verified.
     """
     found = [one.check for one in checks]
-    floor = ", on a floor" * bool(code.get("floor"))
+    on_floor = {bool(code.get("floor")) or one.carried for one in checks}
+    floor = ", on a floor" * (on_floor == {True})
+    floor = floor or ", on a floor where the document has the key building" * any(
+        on_floor
+    )
     demand = code_demand_in_words(found)
     rows = []
     for one in checks:

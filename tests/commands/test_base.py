@@ -280,3 +280,13 @@ def test_the_slide_of_a_body_is_drawn(rocking, tmp_path):
     assert done.returncode == 0
     text = (tmp_path / "slide.svg").read_text(encoding="utf-8")
     assert "friction" in text
+
+
+def test_the_code_takes_the_floor_of_the_document(rocking, tmp_path):
+    (tmp_path / "site.csv").write_text("T [s],S_a [g]\n0,0.3\n0.5,0.7\n4,0.05\n")
+    code = ("--code", "ntc2018", "--spectrum", "site.csv", "--json")
+    keyed = rocking("check", CARRIED, *code).record
+    stated = rocking("check", "block:0.5x2,name=K", *code, "--floor", FLOOR[1]).record
+    ground = rocking("check", "block:0.5x2,name=K", *code).record
+    assert keyed == stated
+    assert keyed["code_slv"] < ground["code_slv"]
