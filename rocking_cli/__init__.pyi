@@ -43,7 +43,6 @@ from .motions import Motion as Motion
 from .motions import cosine as cosine
 from .motions import pulse as pulse
 from .motions import sine as sine
-from .motions.building_modes import FloorMode as FloorMode
 from .motions.buildings import Building as Building
 from .motions.buildings import floor_of as floor_of
 from .motions.buildings import parse_building as parse_building
@@ -105,6 +104,7 @@ from .structures import build_structure as build_structure
 from .structures import load_structures as load_structures
 from .structures import on_each_interface as on_each_interface
 from .structures import read_documents as read_documents
+from .structures.building_modes import FloorMode as FloorMode
 from .structures.draws import Draw as Draw
 from .structures.draws import draws as draws
 from .structures.family import Member as Member

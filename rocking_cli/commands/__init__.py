@@ -95,9 +95,10 @@ class _Commands(click.Group):
             and not args[0].startswith("-")
             and not ctx.resilient_parsing
         ):
-            raise click.UsageError(
-                f"No such command {args[0]!r}{did_you_mean(args[0], COMMANDS)}", ctx
-            )
+            meant = did_you_mean(args[0], COMMANDS)
+            if not meant and (os.path.exists(args[0]) or ":" in args[0]):
+                meant = f"; expected one before it: rocking check {args[0]}"
+            raise click.UsageError(f"No such command {args[0]!r}{meant}", ctx)
         name, command, rest = super().resolve_command(ctx, args)
         _refuse_apart(rest)
         if command is not None and not ctx.resilient_parsing:
@@ -186,10 +187,19 @@ def _no_such_option(error: click.NoSuchOption, arguments: list[str]) -> str:
         if error.ctx is not None
         else []
     )
-    return (
-        "No such option"
-        f" {name}{did_you_mean('--' + name.lstrip('-'), [*long, '--help'], _MEANT)}"
-    )
+    said, word = f"No such option {name}", "--" + name.lstrip("-")
+    if len(name.lstrip("-")) == 1:
+        return said
+    others = [o for o in COMMANDS if word in _options_of(o)]
+    if others and not {word, _MEANT.get(word)}.intersection(long):
+        return f"{said}; commands with it: {', '.join(others)}"
+    return said + did_you_mean(word, [*long, "--help"], _MEANT)
+
+
+def _options_of(command: str) -> list[str]:
+    """Return the options of a command."""
+    module = import_module(f"{__name__}.{command}")
+    return [o for p in getattr(module, command).params for o in p.opts]
 
 
 @click.group(

@@ -43,7 +43,7 @@ class CodeOptions:
     code: str | None = option(
         "--code",
         "Check by the Italian code as well: code_linear, code_slv, …",
-        type=click.Choice(["ntc2018"]),
+        type=click.Choice(["ntc2018"], case_sensitive=False),
     )
     spectrum: str | None = option(
         "--spectrum",
@@ -159,12 +159,10 @@ def check(
         require_spreads(stated.structures)
     most_slide = _slide_limit(wanted.fail_on, stated, drawn)
     by_code = of_code.rows(wanted.verdict_only, wanted.sort)
-    if by_code is not None and asked.building:
-        from ..motions.buildings import parse_building
-
-        by_code.stand_on(parse_building(asked.building))
+    if by_code is not None:
+        by_code.stand_on(asked.carrier, stated.structures)
     known = known_columns(stated, wanted, by_code is not None, drawn.draws is not None)
-    require_columns(known)
+    require_columns(known, wanted.sort)
     if wanted.output is not None:
         options.check_target(wanted.output, sweep.overwrite)
     if by_code and of_code.spectrum and not stated.shakes:

@@ -13,7 +13,7 @@ import click
 
 from . import options
 from .demand import Directed
-from .ground import Ground, no_shaking
+from .ground import Ground, ends_abruptly, no_shaking
 from .printing import detail, note
 from .progress import ProgressLine
 
@@ -83,7 +83,11 @@ def demands_on(
     options of the motion are known to be right. Raises UsageError.
     """
     from ..dynamics.method import has_direction
+    from ..motions.floors import on_floors
 
+    # over a range the motion of a floor is another one at each frequency
+    carrier = motions.building if asked.ends() else None
+    motions = motions if carrier is None else replace(motions, building=None)
     ends = [end.of(motions) for end in asked.ends()]
     shaken = ends[0] if ends else asked.of(motions)
     if sign != "+" and asked.azimuth:
@@ -95,6 +99,8 @@ def demands_on(
         )
     shaken = shaken.reversed if sign == "-" else shaken
     structures, varied = members()
+    if carrier is not None:
+        structures = [replace(s, building=carrier.modes) for s in structures]
     up_to = ends[1].shakes[0][1] if ends else None
     found = Demands(
         asked, sign, shaken, structures, varied, asked.azimuths(), up_to, shaken.shakes
@@ -109,6 +115,11 @@ def demands_on(
             for shake in shaken.reversed.shakes
             for structure in sided
         ]
+    if any(s.building for s in structures):
+        for r in shaken.recordings:
+            note(*ends_abruptly(r.label, r.record.acceleration))
+    if not ends and found.azimuths is None:
+        found.rows = on_floors(found.rows)
     return found
 
 
@@ -121,6 +132,9 @@ def at_worst(demands: Demands, limit: Limit | None, workers: int | None) -> Dema
         demands = _at_worst_azimuth(demands, demands.azimuths, limit, workers)
     if demands.up_to is not None:
         demands = _at_worst_frequency(demands, limit, workers)
+    from ..motions.floors import on_floors
+
+    demands.rows = on_floors(demands.rows)
     _note_long(demands, limit)
     return demands
 

@@ -2,12 +2,12 @@
 
 import re
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from ..dynamics.method import governing_method
 from ..errors import UsageError
-from ..motions.building_modes import parse_mode
 from ..motions.buildings import Building
 from ..motions.design_spectra import read_spectrum
 from ..reports.figures.capacities import code_demand_in_words, draw_capacity_curves
@@ -23,6 +23,7 @@ from ..responses.code_check import (
 )
 from ..responses.verdict import Verdict
 from ..structures import RockingParameters
+from ..structures.building_modes import FloorMode, parse_mode
 from ..structures.mechanics.capacity_curve import require_geometry
 from .command import partly
 from .printing import detail, emit, note
@@ -67,18 +68,26 @@ class CodeRows:
         self.lines: list[str] = []  # remarks to print below the table
         self.details: list[str] = []  # those that change no decision
         self.building: Building | None = None  # below the body in the dynamics
+        # modes of the building that the document of a structure states, by its name
+        self.floors: dict[str, tuple[FloorMode, ...]] = {}
         # of each structure
         self.verdicts: dict[str, list[Verdict]] = {}
 
-    def stand_on(self, building: Building | None) -> None:
-        """Take the building of the dynamics. Raises UsageError if --floor states
-        another one.
+    def stand_on(
+        self, building: Building | None, structures: Sequence[RockingParameters]
+    ) -> None:
+        """Take the building of the dynamics and those of the structures. Raises
+        UsageError if --floor states another one.
         """
         self.building = building
+        self.floors = {s.name: s.building for s in structures if s.building}
         floor = self.given["floor"]
-        if building is None or not floor:
-            return
-        if set(floor) != set(building.modes):
+        if floor and self.floors:
+            raise UsageError(
+                "--floor does not go with a structure whose document has the key"
+                f" building, its floor of the code too: {next(iter(self.floors))}"
+            )
+        if floor and building is not None and set(floor) != set(building.modes):
             raise UsageError(
                 "--floor and --building state two floors; expected the same modes in"
                 " both, for the code and for the dynamics"
@@ -123,7 +132,9 @@ class CodeRows:
             except UsageError as error:
                 moves = False
                 self.lines.append(f"no dynamics: {error}")
-            check = code_check(structure, motion, grid, **self.given)
+            floors = self.floors.get(structure.name, ())
+            standing = replace(structure, building=floors)
+            check = code_check(standing, motion, grid, **self.given)
             self.checks[structure.name, motion.name] = (
                 check,
                 (structure, motion, grid),
@@ -174,6 +185,7 @@ class CodeRows:
             if (
                 len(verdicts) < 2
                 or self.given["floor"]
+                or name in self.floors
                 or structure.mechanism
                 or structure.restraints
                 or structure.sides

@@ -134,10 +134,6 @@ class DemandOptions(Shaking, BothWays):
             for key, text in given.items()
             if text and text.count(":") == 1
         }
-        if of and self.building:
-            raise click.UsageError(
-                "--building does not go with a range of frequencies: give one"
-            )
         return [replace(self, **{key: end}) for key, ends in of.items() for end in ends]
 
 

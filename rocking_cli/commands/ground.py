@@ -176,23 +176,15 @@ class Ground:
         return replace(self, motion=floor_of(self.motion, building))
 
     def with_grid(self, grid: Grid) -> Ground:
-        """Return the motions with their demand. Raises click.UsageError for a pulse on
+        """Return the motions with their demand. Raises UsageError for a pulse on
         a floor whose amplitude or frequency is dimensionless.
         """
         if self.building is None or self.motion is None:
             return replace(self, grid=grid)
-        if grid.dimensionless or grid.amplitude.name != "a_g":
-            raise click.UsageError(
-                "--building goes with an amplitude and a frequency that have units:"
-                " give --a-g and --f-g, --T-g or --omega-g"
-            )
-        from ..motions.buildings import floor_of
-        from ..motions.grid import as_recorded
+        from ..motions.floors import moved_by_floor
 
-        a_g = float(grid.amplitude.values[0])
-        omega = float(grid.frequency.values[0])
-        moved = floor_of(self.motion, self.building, a_g, omega)
-        return replace(self, motion=moved, grid=as_recorded(a_g), building=None)
+        motion, grid = moved_by_floor(self.motion, grid, self.building.modes)
+        return replace(self, motion=motion, grid=grid, building=None)
 
 
 def ends_abruptly(label: str, acceleration: np.ndarray) -> list[str]:
@@ -266,15 +258,20 @@ class Motions(Reading, Source):
     )
     building: tuple[str, ...] = building()
 
+    @property
+    def carrier(self) -> Building | None:
+        """The building that --building states. Raises UsageError."""
+        if not self.building:
+            return None
+        from ..motions.buildings import parse_building
+
+        return parse_building(self.building)
+
     def floor(self, ground: Ground, waits: bool) -> Ground:
         """Return the motions on the floor that --building states; waits: an amplitude
         and a frequency of a pulse follow. Raises UsageError.
         """
-        if not self.building:
-            return ground
-        from ..motions.buildings import parse_building
-
-        found = ground.on_floor(parse_building(self.building))
+        found = ground.on_floor(self.carrier)
         if found.building is not None and not waits:
             raise click.UsageError(
                 "--building goes with records here, as the motion of a floor under a"

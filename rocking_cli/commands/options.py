@@ -395,6 +395,11 @@ def introduced(
     spread: dict[str, None] = {}  # keys
     names: dict[str, None] = {}  # of labels
     for structure in structures:
+        if structure.building and given("building"):
+            raise click.UsageError(
+                "--building does not go with a structure whose document has the key"
+                f" building: {structure.name}"
+            )
         for remark in structure_remarks(structure):
             more += len(remarks) == _REMARKS
             remarks += [remark][: _REMARKS - len(remarks)]
@@ -466,11 +471,17 @@ def check_target(
     from ..publishing import check_target as check
     from ..reports.figures.canvas import DRAWN_WITH
 
+    if output.suffix.lower() in _OF_TABLES and suffixes == FIGURES:
+        raise click.UsageError(
+            f"{output}: expected a name that ends in .png, .svg or .pdf, for a figure,"
+            f" or the rows by --csv > {output.with_suffix('.csv')}"
+        )
     check(output, overwrite, suffixes)
     refuse_own_input(output, recordings)
     require(*(packages or DRAWN_WITH), instead=instead)
 
 
+_OF_TABLES = (".csv", ".json", ".jsonl", ".xlsx", ".tex", ".md", ".txt")
 _BESIDE = re.compile(r"(?:,\s*\w+=[^,=]*)+\Z")
 
 

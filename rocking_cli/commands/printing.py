@@ -233,9 +233,10 @@ def _labelled(
             yield {**row, **named}
 
 
-def require_columns(known: Iterable[str]) -> None:
-    """Refuse, before anything is computed, a name of --columns that is no column; one
-    that the rows lack is empty in them. known: the columns that the call may print,
+def require_columns(known: Iterable[str], sort: str | None = None) -> None:
+    """Refuse, before anything is computed, a name of --columns, --where or --sort that
+    is no column; one that the rows lack is empty in them. sort: a column, or capacity;
+    known: the columns that the call may print,
     labels apart. Raises UsageError.
     """
     from ..reports.tables import unknown_column
@@ -249,6 +250,8 @@ def require_columns(known: Iterable[str]) -> None:
     for one in _conditions():
         if one.column not in names:
             raise unknown_column(one.column, names, "where")
+    if sort is not None and sort not in (words := ["capacity", *names]):
+        raise unknown_column(sort, words, "sort")
 
 
 def _conditions() -> "list[Condition]":

@@ -127,6 +127,7 @@ def report(
     if drawn.draws is not None:
         require_spreads(stated.structures)
     if by_code is not None:
+        by_code.stand_on(asked.carrier, stated.structures)
         require_geometry(stated.structures)
     demands = at_worst(stated, _limit(), workers)
     opposite = cache(lambda: opposite_outcomes(demands))

@@ -68,12 +68,17 @@ def solve(
     0.5:2) the worst one counts. Two boundaries between neighbouring values of the scan
     may be missed. The equation is the governing one, as in rocking check.
     """
-    from ..responses.solving import SCAN, boundaries
+    from ..responses.solving import SCAN, NoAnswer, boundaries
     from ..structures.family import parse_variation
     from .check_remarks import narrow_intervals
 
     figure.check()
     files, motions = asked.several(files)
+    if asked.ends() and asked.building:
+        raise click.UsageError(
+            "--building does not go with a range of frequencies here; expected the key"
+            " building of the document"
+        )
     ends = [end.of(motions) for end in asked.ends()]
     shaken = ends[0] if ends else asked.of(motions)
     documents = options.documents_of(files)
@@ -104,7 +109,7 @@ def solve(
             edges.extend(found)
             source = f"{document.source}: " if len(documents) > 1 else ""
             remarks.extend(f"{source}{line}" for line in lines)
-            partly(any(line.startswith("no ") for line in lines))
+            partly(any(isinstance(line, NoAnswer) for line in lines))
             yield from map(_row, found)
 
     emit(rows(), COLUMNS)

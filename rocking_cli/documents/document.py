@@ -21,6 +21,7 @@ from .keys import Key, Keys, both, length
 from .quantities import (
     FACTORS,
     accepted,
+    as_meant,
     is_bare,
     parse_quantity,
     si_unit,
@@ -266,7 +267,8 @@ class Document:
             number = spread.mean if spread else parse_quantity(value.content, dimension)
         except ArgumentError as error:
             said = is_spread(value.content) or not told.words
-            raise self.fault(key, str(value), str(error) if said else wanted) from None
+            hinted = wanted + as_meant(value.content, dimension)
+            raise self.fault(key, str(value), str(error) if said else hinted) from None
         bare = is_bare(value.content)
         if dimension == "length" and bare:
             outer.bare[path] = (number, value.place)

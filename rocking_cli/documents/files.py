@@ -2,19 +2,21 @@
 
 import io
 import os
+import re
 import select
 import stat
 import sys
 from collections.abc import Callable, Sequence
-from contextlib import nullcontext
+from contextlib import nullcontext, suppress
 from functools import lru_cache, partial
 from pathlib import Path
 from typing import Any, BinaryIO
 
-from ..errors import DocumentError, UsageError
+from ..errors import DocumentError, UsageError, did_you_mean
 
 LARGEST = 256 << 20  # bytes of a file
 STDIN = "<stdin>"
+_SIZES = re.compile(r"[0-9.]+ *x *[0-9.]+ *[a-z]*")  # 0.5x2
 _PATIENCE = 2.0  # s that a pipe may be without a writer
 
 
@@ -96,7 +98,25 @@ def _content(source: str, file: BinaryIO) -> bytes:
 
 def _unreadable(source: str, error: OSError) -> UsageError:
     """Return the error for a file that cannot be read."""
-    return UsageError(f"{source}: cannot be read: {error.strerror or error}")
+    if isinstance(error, IsADirectoryError):
+        return UsageError(
+            f"{source}: found a folder; expected a file, or several: {source}/*"
+        )
+    near = _near(source) if isinstance(error, FileNotFoundError) else ""
+    return UsageError(f"{source}: cannot be read: {error.strerror or error}{near}")
+
+
+def _near(path: str) -> str:
+    """Return a question on the file of the same folder that a name probably means, or
+    on the structure that its sizes mean; else an empty text.
+    """
+    if _SIZES.fullmatch(path):
+        return f" (did you mean 'block:{path}'?)"
+    folder, name = os.path.split(path)
+    with suppress(OSError):
+        near = did_you_mean(name, os.listdir(folder or "."))
+        return near.replace("mean '", f"mean '{folder}/") if folder else near
+    return ""
 
 
 def _with_a_writer(path: str, flags: int) -> int:

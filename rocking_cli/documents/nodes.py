@@ -111,9 +111,10 @@ def _compose_yaml(text: str, source: str, first: int = 0) -> list[yaml.Node]:
         )
         if hint := next(filter(None, map(unspaced, line)), ""):
             raise DocumentError(f"{place}: not valid YAML: {hint}") from None
-        raise DocumentError(
-            f"{place}: not valid YAML: {error.problem or error.context}"
-        ) from None
+        why = error.problem or error.context or ""
+        if "'\\t'" in why:
+            why = "found a tab; expected blanks at the start of a line"
+        raise DocumentError(f"{place}: not valid YAML: {why}") from None
     except yaml.reader.ReaderError as error:
         place = place_in(text, error.position, source, first)
         raise DocumentError(

@@ -4,6 +4,7 @@ is in SI units.
 
 import math
 import re
+from collections.abc import Iterable
 
 from ..errors import ArgumentError, RockingError, UsageError
 
@@ -65,11 +66,21 @@ UNITS: dict[str, dict[str, float]] = {
 # from each unit to SI
 FACTORS = {unit: factor for units in UNITS.values() for unit, factor in units.items()}
 
+# units that are spelt out
+_SPELT = {
+    **dict.fromkeys(("inch", "inches"), "in"),
+    **dict.fromkeys(("meter", "metre", "meters", "metres"), "m"),
+    **dict.fromkeys(("degree", "degrees"), "deg"),
+    **dict.fromkeys(("sec", "second", "seconds"), "s"),
+    "hertz": "hz",
+}
+
 _NUMBER = r"[+-]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"
 # a number with commas, and the unit behind it
 _WITH_COMMAS = re.compile(r"(?<![\d,.])([+-]?[\d.]*,[\d.,]*)(?<=\d)([^,:x]{0,20})")
 _THOUSANDS = re.compile(r"[+-]?[1-9]\d{0,2}(?:,\d{3})+(?:\.\d+)?")
 _DECIMAL_COMMA = re.compile(r"([+-]?(?:[1-9]\d{0,2}(?:\.\d{3})+|\d*)),(\d+)")
+_DASHED = re.compile(rf"({_NUMBER}[^-]*)-({_NUMBER}[^-]*)")  # 0.1g-1g
 _QUANTITY = re.compile(rf"\s*({_NUMBER})(.*)", re.DOTALL)
 
 
@@ -99,7 +110,7 @@ def parse_quantity(text: str, dimension: str) -> float:
     """
     parts = split_quantity(text)
     if parts is None or (parts[1] and parts[1] not in UNITS[dimension]):
-        raise ArgumentError(accepted(dimension) + with_a_point(text))
+        raise ArgumentError(accepted(dimension) + as_meant(text, dimension))
     number, unit = parts
     value = number * (UNITS[dimension][unit] if unit else 1.0)
     if not math.isfinite(value):
@@ -109,6 +120,42 @@ def parse_quantity(text: str, dimension: str) -> float:
     if dimension == "length" and abs(value) > LARGEST_LENGTH:
         raise ArgumentError(f"{accepted(dimension)}, up to {LARGEST_LENGTH:g} m")
     return value
+
+
+def as_meant(text: str, dimension: str) -> str:
+    """Return a hint on how the quantity that a text means is written: with a decimal
+    point, without %, its unit in other letters, a range with colons; else an empty
+    text.
+    """
+    if (hint := with_a_point(text)) or (parts := split_quantity(text)) is None:
+        return hint
+    number, unit = parts
+    if ends := _DASHED.fullmatch(text):
+        return f"; a range is written {ends[1].strip()}:{ends[2].strip()}"
+    written = ""
+    if unit == "%" and dimension == "number":
+        written = f"{number / 100.0:g}"
+    elif unit == "%" and dimension == "acceleration":
+        written = f"{number / 100.0:g}g"
+    else:
+        name = _named_unit(unit, UNITS[dimension])
+        written = name and f"{number:g} {name}"
+    return f"; did you mean {written}?" if written else ""
+
+
+def unit_as_meant(word: str, known: Iterable[str]) -> str:
+    """Return a question on the unit that a word means, else an empty text."""
+    name = _named_unit(word, known)
+    return f" (did you mean {name!r}?)" if name else ""
+
+
+def _named_unit(word: str, known: Iterable[str]) -> str:
+    """Return the unit that a word means in other letters or spelt out, else an empty
+    text.
+    """
+    plain = word.casefold()
+    meant = (plain, _SPELT.get(plain, plain))
+    return next((unit for unit in known if unit.casefold() in meant), "")
 
 
 def with_a_point(text: str) -> str:

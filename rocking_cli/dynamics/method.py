@@ -3,7 +3,7 @@ entry of EQUATIONS, imported where it is used.
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -226,6 +226,12 @@ class Method:
         UsageError
             if the model does not hold for the structure
         """
+        if structure.building:
+            raise UsageError(
+                f"{structure.name} stands in a building, the motion of whose floor is"
+                " not known here; expected a document without the key building, or"
+                " check, response, solve, compare or report"
+            )
         build = self.kind_of(structure).build
         try:
             equation = build(structure, self.tolerance)
@@ -384,9 +390,10 @@ def has_direction(structure: RockingParameters) -> bool:
     """True if the reversed motion may have another result: the structure has one side,
     or two sides that differ, or ties that differ.
     """
-    return not (
-        structure.plain or governing_method(structure).system_of(structure).alike
-    )
+    if structure.plain:
+        return False
+    body = replace(structure, building=())  # the floor moves all bodies alike
+    return not governing_method(body).system_of(body).alike
 
 
 def contact_of(structure: RockingParameters, equation: Equation) -> Contact:

@@ -4,8 +4,9 @@ a scan of the range, then the minima of the first overturning amplitude.
 
 import math
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
 from functools import cached_property
-from typing import NamedTuple, Self
+from typing import NamedTuple, Protocol, Self
 
 import numpy as np
 
@@ -14,13 +15,16 @@ from ..dynamics.method import Method, governing_method
 from ..dynamics.outcome import safe
 from ..dynamics.shared_march import SharedMarch
 from ..dynamics.system import System
+from ..errors import UsageError
 from ..motions import Motion
+from ..motions.floors import NEEDS_UNITS
 from ..motions.grid import Axis, Grid
+from ..structures.building_modes import FloorMode
 from ..structures.parameters import RockingParameters
 from .amplitudes import Limit, limit_of
 from .boundaries import looks_finely
 from .capacity import CapacitySearch, tracing_width
-from .first_falls import WITHIN, Climb, lowest_falls
+from .first_falls import WITHIN, Climb, RowMarch, lowest_falls
 
 # ratio of neighbouring frequencies of the scan; narrower minima may be missed
 _RATIO = 1.04
@@ -29,7 +33,7 @@ _RATIO = 1.04
 _INSIDE = 1e-4
 _FINE = 1e-6  # relative width to which the frequency of a minimum is found
 # times the demand: the search for falls between the frequencies of an outcome scan
-_OUTCOME_REACH = 1.5
+OUTCOME_REACH = 1.5
 _LADDER = 2e-3  # ratio of the amplitudes of this search, minus 1
 _RUNGS = 250  # amplitudes that are computed together: all of them
 _SCANNED = 0.6  # about the share of the scan of a search
@@ -37,6 +41,17 @@ _SCANNED = 0.6  # about the share of the scan of a search
 # frequencies that are tried in each of them
 _CLOSER, _TRIED = (1.0, 0.125, 0.015625), 17
 _HALF = 12  # searches around minima after which half of the rest is taken as done
+
+
+class RowsMarch(Protocol):
+    """What marches the cells of a search: `SharedMarch`, or `FloorMarch`."""
+
+    def response(
+        self, which: Array, amplitude: Array, omega: Array, peaks: bool = True
+    ) -> tuple[Array, Array, Array]: ...
+
+    def of_rows(self, which: Array, omega: Array) -> RowMarch: ...
+
 
 Tell = Callable[[float], None]  # called with the share that is done
 
@@ -64,15 +79,16 @@ class ScanAnswers(NamedTuple):
 class FrequencyRange(NamedTuple):
     """A structure under a range of frequencies."""
 
-    structure: RockingParameters  # the structure
+    structure: RockingParameters  # the structure, as if it stood on the ground
     motion: Motion  # the motion of the ground
     amplitude: float  # A of the demand [-]
     begin: float  # Omega of the demand at the stated first end of the range [-]
     end: float  # Omega at the other end [-]
     method: Method  # model and tolerance
     system: System  # the system of the structure
-    uplift: float  # least A that lifts it [-]
+    uplift: float  # least A that lifts it [-]; on a floor 0, as it is not known
     most: float | None  # largest A of the search [-], None if only outcomes are wanted
+    modes: tuple[FloorMode, ...]  # of the building below it, none on the ground
 
     @classmethod
     def of(
@@ -83,7 +99,13 @@ class FrequencyRange(NamedTuple):
         high: Grid,
         a_max: float | Limit | None,
     ) -> Self:
-        """Return the range between two demands. Raises UsageError."""
+        """Return the range between two demands. Raises UsageError, also for a structure
+        in a building under dimensionless demands.
+        """
+        modes = structure.building
+        structure = replace(structure, building=())
+        if modes and (low.dimensionless or low.amplitude.name != "a_g"):
+            raise UsageError(NEEDS_UNITS)
         method = governing_method(structure, dimensionless=low.dimensionless)
         (amplitude, begin), (_, end) = (grid.cell(structure) for grid in (low, high))
         system = method.system_of(structure)
@@ -95,8 +117,9 @@ class FrequencyRange(NamedTuple):
             end,
             method,
             system,
-            system.least_uplift(motion),
+            0.0 if modes else system.least_uplift(motion),
             None if a_max is None else limit_of(a_max, structure),
+            modes,
         )
 
     @property
@@ -123,18 +146,6 @@ class FrequencyRange(NamedTuple):
         return CapacitySearch(
             self.structure, self.motion, self.uplift, omega, self.method, most
         )
-
-    def minimum(self, around: tuple[float, float], most: float) -> tuple[float, float]:
-        """(minimum of the first overturning amplitude between two Omega, its Omega)."""
-        from scipy.optimize import minimize_scalar
-
-        found = minimize_scalar(
-            lambda x: self.first(math.exp(x), most),
-            bounds=tuple(map(math.log, around)),
-            method="bounded",
-            options={"xatol": _FINE},
-        )
-        return float(found.fun), math.exp(found.x)
 
     def worst(
         self, omega: float | None, largest: float | None, low: Grid, high: Grid
@@ -214,11 +225,17 @@ class ScanRows(NamedTuple):
 class FrequencySearch:
     """The search for the worst Omega of several structures under one motion."""
 
+    fine = _FINE  # relative width to which a frequency is found
+
     def __init__(
-        self, ranges: Sequence[FrequencyRange], motion: Motion, tell: Tell
+        self,
+        ranges: Sequence[FrequencyRange],
+        motion: Motion,
+        tell: Tell,
+        march: RowsMarch | None = None,
     ) -> None:
         self.ranges, self.motion, self.tell = ranges, motion, tell
-        self.march = SharedMarch(
+        self.march = march or SharedMarch(
             motion, [one.structure for one in ranges], [one.method for one in ranges]
         )
         self.amplitude = np.array([one.amplitude for one in ranges])
@@ -307,11 +324,26 @@ class FrequencySearch:
     def _minimum(
         self, one: FrequencyRange, around: tuple[float, float], most: float
     ) -> tuple[float, float]:
-        """`FrequencyRange.minimum`; tells the progress."""
-        found = one.minimum(around, most)
+        """(minimum of the first overturning amplitude between two Omega, its Omega);
+        tells the progress.
+        """
+        from scipy.optimize import minimize_scalar
+
+        found = minimize_scalar(
+            lambda x: self._first_at(one, math.exp(x), most),
+            bounds=tuple(map(math.log, around)),
+            method="bounded",
+            options={"xatol": self.fine},
+        )
         self.minima_found += 1
         self.tell(1.0 - (1.0 - _SCANNED) * 0.5 ** (self.minima_found / _HALF))
-        return found
+        return float(found.fun), math.exp(found.x)
+
+    def _first_at(self, one: FrequencyRange, omega: float, most: float) -> float:
+        """The first overturning amplitude of a body at an Omega, infinite if none up to
+        `most` overturns it.
+        """
+        return one.first(omega, most)
 
     def _of_outcomes(self, body: int, scan: Array, first: Array, omega: float) -> float:
         """Return the worst Omega of a body whose least overturning amplitude, at
@@ -330,7 +362,7 @@ class FrequencySearch:
         uplift = np.array([one.uplift for one in self.ranges])
         lifted = np.flatnonzero(self.amplitude > uplift).tolist()
         rows = ScanRows.of(self.ranges, lifted)
-        turned, outcome = self._under(rows.body, rows.omega)
+        turned, outcome = self.under(rows.body, rows.omega)
         falls = ~safe(outcome)
         return ScanAnswers(rows, np.where(falls, np.inf, turned), falls)
 
@@ -353,7 +385,7 @@ class FrequencySearch:
         for share in _CLOSER:
             apart = _RATIO ** (share * np.linspace(-1.0, 1.0, _TRIED))
             tried = np.clip(omega[:, None] * apart, ends[:, :1], ends[:, 1:])
-            turned, outcome = self._under(np.repeat(bodies, _TRIED), tried.ravel())
+            turned, outcome = self.under(np.repeat(bodies, _TRIED), tried.ravel())
             turned = np.where(safe(outcome), turned, np.inf).reshape(-1, _TRIED)
             omega, most = tried[at, turned.argmax(axis=1)], turned.max(axis=1)
         found = dict(zip(bodies.tolist(), zip(omega, most, strict=True), strict=True))
@@ -370,9 +402,9 @@ class FrequencySearch:
         """True if a body stands under its demand at an Omega, or without one."""
         if omega is None:
             return True
-        return bool(safe(self._under(np.array([body]), np.array([omega]))[1])[0])
+        return bool(safe(self.under(np.array([body]), np.array([omega]))[1])[0])
 
-    def _under(self, body: Array, omega: Array) -> tuple[Array, Array]:
+    def under(self, body: Array, omega: Array) -> tuple[Array, Array]:
         """(theta_ratio, outcome) under the demand of these bodies at these Omega."""
         return self.march.response(body, self.amplitude[body], omega)[:2]
 
@@ -401,13 +433,7 @@ class FrequencySearch:
         frequencies of the scan; it overturns none of them at these frequencies.
         """
         rows = ScanRows.of(self.ranges, bodies)
-        demand = self.amplitude[rows.body]
-        # Of the amplitudes between the demand and its reach, a ladder is tried.
-        firsts = lowest_falls(
-            self.march.of_rows(rows.body, rows.omega),
-            Climb(demand, _OUTCOME_REACH * demand, demand, _LADDER),
-            stretch=_RUNGS,
-        ).amplitude
+        firsts = self._falls_near(rows.body, rows.omega)
         self.tell(_SCANNED)
         near = np.minimum(firsts[rows.before], firsts[rows.after])
         lowest = np.flatnonzero(np.isfinite(firsts) & (firsts <= near))
@@ -418,14 +444,25 @@ class FrequencySearch:
             one = self.ranges[body]
             if body in done:
                 continue
-            reach = _OUTCOME_REACH * one.amplitude
+            reach = OUTCOME_REACH * one.amplitude
             first, omega = self._minimum(one, rows.around(row), reach)
             if first > one.amplitude:
                 continue
-            _, outcome = self._under(np.array([body]), np.array([omega]))
+            _, outcome = self.under(np.array([body]), np.array([omega]))
             if not safe(outcome)[0]:
                 done.add(body)
                 yield body, omega
+
+    def _falls_near(self, body: Array, omega: Array) -> Array:
+        """The lowest amplitudes of a ladder between the demand and its reach that
+        overturn these bodies at these Omega, infinite where none does.
+        """
+        demand = self.amplitude[body]
+        return lowest_falls(
+            self.march.of_rows(body, omega),
+            Climb(demand, OUTCOME_REACH * demand, demand, _LADDER),
+            stretch=_RUNGS,
+        ).amplitude
 
     def _falls_inside(self, lowest: Array, rows: ScanRows) -> Array:
         """True for rows at an end of the range a little inside of which a lower
@@ -439,7 +476,7 @@ class FrequencySearch:
             self._first_falls(
                 np.tile(rows.body[ends], 2),
                 np.append(rows.omega[ends], rows.insides(ends)),
-                _OUTCOME_REACH * self.amplitude,
+                OUTCOME_REACH * self.amplitude,
             ),
             2,
         )

@@ -9,9 +9,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..dynamics.method import governing_method
+from ..arrays import Array
 from ..dynamics.outcome import safe
-from ..dynamics.response import Response, response
 from ..motions import Motion
 from ..motions.grid import Grid
 from ..processes import available_cpus, part_reporter
@@ -109,10 +108,19 @@ def at_worst_frequencies(
     if not structures:
         return []
     several = min(workers or available_cpus(), len(structures))
-    # Groups of about equal size, at least one for each process.
-    rounds = math.ceil(len(structures) / (several * _TOGETHER))
-    size = math.ceil(len(structures) / (several * rounds))
-    groups = [structures[i : i + size] for i in range(0, len(structures), size)]
+    # Groups of about equal size, at least one for each process. A structure on a floor
+    # has its own motions.
+    order = sorted(range(len(structures)), key=lambda i: not structures[i].building)
+    floors, ground = [
+        [structures[i] for i in order if bool(structures[i].building) is on_floor]
+        for on_floor in (True, False)
+    ]
+    rounds = math.ceil(len(ground) / (several * _TOGETHER))
+    size = math.ceil(len(ground) / (several * max(rounds, 1)))
+    groups = [
+        *([one] for one in floors),
+        *(ground[i : i + size] for i in range(0, len(ground), max(size, 1))),
+    ]
     several = min(several, len(groups))
     found: list[WorstFrequency] = []
     for some in in_turn(
@@ -120,7 +128,7 @@ def at_worst_frequencies(
     ):
         found += some
         tell(len(found))
-    return found
+    return [found[order.index(i)] for i in range(len(structures))]
 
 
 def _reported(
@@ -141,14 +149,27 @@ def _of_a_group(
     a_max: float | Limit | None,
     tell: Tell,
 ) -> list[WorstFrequency]:
-    """`at_worst_frequency` of several structures, whose cells are marched together."""
+    """`at_worst_frequency` of several structures, whose cells are marched together, or
+    of one on a floor.
+    """
     ranges = [FrequencyRange.of(s, motion, low, high, a_max) for s in structures]
-    found = FrequencySearch(ranges, motion, tell)
+    found = search_of(ranges, motion, tell)
     omegas = found.outcomes_alone() if a_max is None else found.least()
     return [
         one.worst(*both, low, high)
         for one, both in zip(ranges, found.largest(omegas), strict=True)
     ]
+
+
+def search_of(
+    ranges: Sequence[FrequencyRange], motion: Motion, tell: Tell = lambda _: None
+) -> FrequencySearch:
+    """Return the search of several structures on the ground, or of one on a floor."""
+    if ranges[0].modes:
+        from .floor_search import FloorSearch
+
+        return FloorSearch(ranges, motion, tell)
+    return FrequencySearch(ranges, motion, tell)
 
 
 def beyond_the_end(
@@ -157,31 +178,31 @@ def beyond_the_end(
     """Compute the answers of a body beyond the end of a range at which its worst
     frequency lies, up to ten times slower or faster.
     """
-    method = governing_method(structure, dimensionless=worst.grid.dimensionless)
-    amplitude, omega = worst.grid.cell(structure)
-    system, slower = method.system_of(structure), worst.end == "lower"
+    one = FrequencyRange.of(structure, motion, worst.grid, worst.grid, None)
+    omega, slower = one.begin, worst.end == "lower"
+    search = search_of([one], motion)
 
-    def under(omegas: np.ndarray) -> Response:
-        return response(system, motion, np.full(omegas.size, amplitude), omegas)
+    def under(omegas: Array) -> tuple[Array, Array]:
+        return search.under(np.zeros(omegas.size, dtype=np.int64), omegas)
 
     ratio = _BEYOND ** ((-1.0 if slower else 1.0) / _TRIED)
     begin = math.floor(math.log(omega, ratio)) + 1
     omegas = np.append(omega, ratio ** np.arange(begin, begin + _TRIED))
-    found = under(omegas)
+    turned, outcome = under(omegas)
     hertz = omegas * structure.p / math.tau
-    falls = np.flatnonzero(~safe(found.outcome[1:]))
+    falls = np.flatnonzero(~safe(outcome[1:]))
     if falls.size:
         stands, there = omegas[falls[0]], omegas[falls[0] + 1]
         for _ in range(_ROUNDS):
             closer = np.linspace(stands, there, _CLOSER + 1)
-            first = int(np.argmax(~safe(under(closer[1:]).outcome)))
+            first = int(np.argmax(~safe(under(closer[1:])[1])))
             stands, there = closer[first], closer[first + 1]
         nearest = Decimal(float(there * structure.p / math.tau))
         side = ROUND_FLOOR if slower else ROUND_CEILING
         return BeyondTheEnd(
             float(Context(3, side).create_decimal(nearest)), None, float(hertz[-1])
         )
-    largest = int(np.argmax(np.nan_to_num(found.theta_ratio)))
+    largest = int(np.argmax(np.nan_to_num(turned)))
     return BeyondTheEnd(
         None, float(hertz[largest]) if largest else None, float(hertz[-1])
     )

@@ -24,8 +24,8 @@ import numpy as np
 
 from ..arrays import Array
 from ..errors import UsageError
+from ..structures.building_modes import ONE_EACH, FloorMode, parse_mode, repeated
 from .blocks import largest
-from .building_modes import FloorMode, parse_mode
 from .given import AnyMotion, motion_from
 from .motion import Floor, Motion, Piece, upwards
 from .polyline import Polyline
@@ -110,12 +110,8 @@ def parse_building(texts: Sequence[str]) -> Building | None:
     (FloorMode(period=0.4, damping=0.05, gamma_psi=1.0),)
     """
     modes = tuple(parse_mode(text) for text in texts)
-    periods = [mode.period for mode in modes]
-    if twice := [x for x in periods if periods.count(x) > 1]:
-        raise UsageError(
-            f"`building`: found two modes of T = {twice[0]:g} s; expected one mode for"
-            " each period"
-        )
+    if twice := repeated(modes):
+        raise UsageError(f"`building`: found {twice}; expected {ONE_EACH}")
     return Building(modes) if modes else None
 
 
@@ -131,9 +127,9 @@ class _LinearSteps(NamedTuple):
     angle: Array  # argument of each sinusoid at the start [rad], (H, n)
 
     @classmethod
-    def of(cls, motion: Motion, omega: float) -> "_LinearSteps":
+    def of(cls, motion: Motion, omega: float, per_cycle: int) -> "_LinearSteps":
         """Return the steps of a motion of this frequency [rad/s]: its straight pieces,
-        and CYCLE steps in a cycle of its fastest sinusoid.
+        and so many steps in a cycle of its fastest sinusoid.
         """
         if isinstance(motion, Polyline):
             length = (motion.stop - motion.start) / omega
@@ -143,7 +139,7 @@ class _LinearSteps(NamedTuple):
         most = max(len(piece.harmonics) for piece in motion.pieces)
         columns: list[list[Array]] = [[], [], [], [], []]
         for piece, other in _pairs(motion):
-            phase = _marks_of(piece, other)
+            phase = _marks_of(piece, other, per_cycle)
             line = piece.constant + piece.slope * (phase - piece.start)
             own = np.zeros((3, most, phase.size - 1))
             own[1] = 1.0
@@ -210,12 +206,13 @@ def _pairs(motion: Motion) -> Iterator[tuple[Piece, Piece]]:
     yield from zip(motion.pieces, up.pieces, strict=True)
 
 
-def _marks_of(piece: Piece, other: Piece) -> Array:
+def _marks_of(piece: Piece, other: Piece, per_cycle: int) -> Array:
     """Return the phases [rad] at the ends of the steps of two pieces."""
     waves = (*piece.harmonics, *other.harmonics)
     fastest = max((h.frequency for h in waves), default=0.0)
     length = piece.stop - piece.start
-    count = max(1, math.ceil(length * fastest * CYCLE / math.tau * (1.0 - 1e-12)))
+    cycles = length * fastest / math.tau
+    count = max(1, math.ceil(cycles * per_cycle * (1.0 - 1e-12)))
     return np.linspace(piece.start, piece.stop, count + 1)
 
 
@@ -265,6 +262,7 @@ def floor_of(
     a_g: float | None = None,
     omega: float = 1.0,
     name: str = "",
+    per_cycle: int = CYCLE,
 ) -> Motion:
     """Return the motion of a floor of a building, in its own time: absolute
     acceleration over the a_g of the ground, as straight lines between exact values.
@@ -282,6 +280,8 @@ def floor_of(
         frequency of the ground [rad/s], 1 of a record
     name
         by default that of the ground with the periods
+    per_cycle
+        steps in a cycle of a pulse, at least
 
     Returns
     -------
@@ -303,7 +303,7 @@ def floor_of(
     ground = motion_from(ground)
     if isinstance(building, str):
         building = Building((parse_mode(building),))
-    whole = _LinearSteps.of(ground, omega)
+    whole = _LinearSteps.of(ground, omega, per_cycle)
     parts = 1
     while True:
         if parts * whole.length.size > MOST:

@@ -21,8 +21,8 @@ from ..documents.table import Cell, rows_of
 from ..documents.texts import text_at
 from ..errors import DocumentError, UsageError, counted
 from ..showing import Shown
+from ..structures.building_modes import FloorMode
 from .blocks import largest
-from .building_modes import FloorMode
 from .motion import Motion
 from .records.record import Record
 from .response_spectra import DAMPING, acceleration_spectrum, displacement_spectrum

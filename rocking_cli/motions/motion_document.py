@@ -44,7 +44,11 @@ def build_motion(document: Document) -> Motion:
             if document.has("pieces")
             else "neither pieces nor points"
         )
-        raise document.fault(None, found, "one of them")
+        wanted = "one of them"
+        if "kind" in document.values:
+            found = f"a structure, of kind {document.values['kind']}"
+            wanted = "a motion, with pieces or points"
+        raise document.fault(None, found, wanted)
     try:
         motion = (
             Motion(name, _pieces(document))

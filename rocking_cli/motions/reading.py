@@ -15,7 +15,13 @@ from typing import Any, BinaryIO, TypeVar, Unpack, cast
 from ..documents.files import STDIN, read_bytes
 from ..documents.parsing import documents_of
 from ..documents.quantities import quantity_at
-from ..errors import DocumentError, NoAcceleration, NoComponent, UsageError
+from ..errors import (
+    DocumentError,
+    NoAcceleration,
+    NoComponent,
+    UsageError,
+    did_you_mean,
+)
 from ..plugins import installed
 from .biaxial import Upwards
 from .intensity_measures import GROUP, MEASURES, measure_named
@@ -48,7 +54,9 @@ Taken = TypeVar("Taken")
 
 LONG = 5_000_000  # a record with so many samples gets a remark on memory
 _BYTES = 200  # memory for each sample
-_BESIDE = re.compile(r",\s*(component|unit|column|dt|skip)=([^,=]*)\Z")
+_KEYS = ("component", "unit", "column", "dt", "skip")
+_BESIDE = re.compile(rf",\s*({'|'.join(_KEYS)})=([^,=]*)\Z")
+_OTHER = re.compile(r"([^,]*),\s*(\w+)=[^,]*")  # an unknown key
 
 
 class MotionChoices(Stated, total=False):
@@ -189,6 +197,12 @@ def beside(path: str, given: MotionChoices | None = None) -> tuple[str, MotionCh
     own: dict[str, Any] = {}
     while not os.path.exists(path) and (stated := _BESIDE.search(path)) is not None:
         path, own[stated[1]] = path[: stated.start()], stated[2].strip()
+    other = None if os.path.exists(path) else _OTHER.fullmatch(path)
+    if other is not None and os.path.exists(other[1]):
+        raise UsageError(
+            f"{other[1]}: found {other[2]}= beside the file"
+            f"{did_you_mean(other[2], _KEYS)}; expected {', '.join(_KEYS)}"
+        )
     if "dt" in own:
         own["dt"] = quantity_at("`dt`", own["dt"], "time")
     return path, cast("MotionChoices", {**(given or {}), **own})

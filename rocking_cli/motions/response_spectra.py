@@ -141,9 +141,9 @@ def periods_of(name: str) -> tuple[str, Array] | None:
     try:
         periods = np.array([parse_quantity(part, "time") for part in text.split(",")])
     except ArgumentError as error:
-        raise UsageError(
-            f"{name}: found {text!r} for a period; expected {error}"
-        ) from None
+        found = f"{text!r} for a period" if text else "no period"
+        hint = f", such as {name}(1.0)" if not text else ""
+        raise UsageError(f"{name}: found {found}; expected {error}{hint}") from None
     if not np.all(periods > 0.0) or (periods.size > 1 and not mean):
         raise UsageError(
             f"{name}: expected {'positive periods' if mean else 'one positive period'}"

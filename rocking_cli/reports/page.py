@@ -183,7 +183,11 @@ def _of_code(
     and a row for each check, red if a limit state is not verified.
     """
     found = [one.check for one in checks]
-    floor = ", on a floor" * bool(code.get("floor"))
+    on_floor = {bool(code.get("floor")) or one.carried for one in checks}
+    floor = ", on a floor" * (on_floor == {True})
+    floor = floor or ", on a floor where the document has the key building" * any(
+        on_floor
+    )
     demand = code_demand_in_words(found)
     rows = []
     for one in checks:
@@ -193,8 +197,7 @@ def _of_code(
             cells["motion"] = one.motion
         for key, head in METHODS.items():
             if key in ratios or head in one.check.asked:
-                said = one.check.sentence(key).removeprefix(f"{head}: ")
-                cells[f"{head}: verdict"] = said.partition(" (")[0]
+                cells[f"{head}: verdict"] = one.check.verdict(key)
                 cells[f"{head}: accepted over demand"] = ratios.get(key)
         rows.append(page_row(labelled(cells, labels), falls=not one.verified))
     return {

@@ -4,7 +4,7 @@ the demand, the agreement of both equations, and fragility curves.
 
 import base64
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -69,6 +69,7 @@ class CodeVerdict:
     motion: str  # name of the motion
     check: CodeCheck  # amplitudes that the methods of the code accept
     promises: list[str]  # on each method that accepts more than the dynamics do
+    carried: bool  # True if its document states a building, its floor of the code
 
     @property
     def verified(self) -> bool:
@@ -94,14 +95,23 @@ def checked(
     code: arguments of `code_check`.
     """
     if not demands:
-        alone = [code_check(one.structure, **code) for one in subjects]
-        return [CodeVerdict(check.demand, check, []) for check in alone]
+        return [
+            CodeVerdict(check.demand, check, [], bool(one.structure.building))
+            for one in subjects
+            for check in [code_check(one.structure, **code)]
+        ]
     found = []
+    # the demands are those on the floors already
+    modes = {one.structure.name: one.structure.building for one in subjects}
     for v, demand in zip(verdicts, demands, strict=True):
-        check = code_check(*demand, **code)
+        structure, motion, shaking = demand
+        carrier = modes.get(structure.name, ())
+        check = code_check(
+            replace(structure, building=carrier), motion, shaking, **code
+        )
         beyond = first_beyond(*demand, most=v.first_overturning_a)
         promises = check.promises(v.first_overturning_a, beyond)
-        found.append(CodeVerdict(v.motion, check, promises))
+        found.append(CodeVerdict(v.motion, check, promises, bool(carrier)))
     return found
 
 

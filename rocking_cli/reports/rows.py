@@ -3,6 +3,7 @@
 import json
 from collections.abc import Iterable, Mapping
 from contextlib import suppress
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -37,6 +38,11 @@ def rows_of(source: str) -> Rows:
                 for _, cells in table.full_rows()
             ]
     except (DocumentError, ArgumentError) as error:
+        if Path(source).suffix.lower() in (".yaml", ".yml"):
+            raise UsageError(
+                f"{source}: found a document; expected a spectra file or the rows of a"
+                " command (rocking draw draws structures)"
+            ) from None
         raise UsageError(
             f"{source}: neither a spectra file nor CSV ({error})"
         ) from None

@@ -10,7 +10,7 @@ from functools import cache
 from typing import Any
 
 from ..arguments import check_fields
-from ..documents.quantities import UNITS, headed, si_unit
+from ..documents.quantities import UNITS, headed, si_unit, unit_as_meant
 from ..errors import UsageError
 
 SI = {dimension: si_unit(dimension) for dimension in UNITS} | {
@@ -314,8 +314,8 @@ def parse_units(text: str) -> Units:
     for name in (part.strip() for part in text.split(",")):
         if name not in _CHOICES:
             raise UsageError(
-                f"`units`: found {name!r}; expected {', '.join(_CHOICES)}, separated by"
-                " commas"
+                f"`units`: found {name!r}{unit_as_meant(name, _CHOICES)}; expected"
+                f" {', '.join(_CHOICES)}, separated by commas"
             )
         for dimension, unit in _CHOICES[name].items():
             if dimension in names:

@@ -18,6 +18,7 @@ from ..envelopes.capacity import Capacity, CapacitySearch, begun_together
 from ..envelopes.intervals import A_MAX
 from ..errors import UsageError
 from ..motions import Motion
+from ..motions.floors import on_floors
 from ..motions.given import AnyMotion, demand_of
 from ..motions.grid import Grid
 from ..processes import available_cpus, part_reporter, processes
@@ -121,7 +122,8 @@ def check(
         1, lambda done: progress(_STAGES * done, _STAGES) if progress else None
     )
     body = structure_from(structure)
-    return _judged(body, *demand_of(motion, shaking), a_max, None, None, told.of(0))
+    (demand,) = on_floors([(body, *demand_of(motion, shaking))])
+    return _judged(*demand, a_max, None, None, told.of(0))
 
 
 def outcome_alone(
@@ -452,7 +454,7 @@ def _each(
     and, if they are of many, their answers one march. tell: called with the number of
     those that are known.
     """
-    shares = KnownShares(len(demands), tell)
+    shares, demands = KnownShares(len(demands), tell), on_floors(demands)
     most = [
         None if a_max is None else limit_of(a_max, structure)
         for structure, _, _ in demands

@@ -25,7 +25,6 @@ from ..dynamics.response import response
 from ..envelopes.first_falls import Climb, lowest_falls
 from ..errors import UsageError
 from ..motions import Motion
-from ..motions.building_modes import FloorMode
 from ..motions.design_spectra import (
     AnySpectrum,
     FloorSpectrum,
@@ -33,9 +32,11 @@ from ..motions.design_spectra import (
     SpectrumFile,
     read_spectrum,
 )
+from ..motions.floors import on_floors
 from ..motions.given import AnyMotion, demand_of
 from ..motions.grid import Grid
 from ..showing import Shown
+from ..structures.building_modes import FloorMode
 from ..structures.given import Structure, structure_from
 from ..structures.mechanics.capacity_curve import CapacityCurve, capacity_curves
 from ..structures.parameters import RockingParameters
@@ -234,12 +235,29 @@ class CodeCheck(Shown):
         str
             with the accepted amplitude over the demand, rounded down
         """
-        ratio = self.ratios().get(key)
+        ratio, said = self.ratios().get(key), f"{METHODS[key]}: {self.verdict(key)}"
         if ratio is None:
             why = self.unanswered.get(METHODS[key], "it has no spectrum")
-            return f"{METHODS[key]}: not known ({why})"
+            return f"{said} ({why})"
         shown = Decimal(repr(ratio)).quantize(Decimal("0.01"), ROUND_FLOOR)
-        return f"{METHODS[key]}: {'not ' * (ratio < 1.0)}verified ({shown})"
+        return f"{said} ({shown})"
+
+    def verdict(self, key: str) -> str:
+        """Return "verified", "not verified" or "not known".
+
+        Parameters
+        ----------
+        key
+            the method, as of `sentence`
+
+        Returns
+        -------
+        str
+        """
+        ratio = self.ratios().get(key)
+        if ratio is None:
+            return "not known"
+        return "verified" if ratio >= 1.0 else "not verified"
 
     def promises(self, fall: float | None, beyond: float | None) -> list[str]:
         """Return a sentence on each method that accepts more than the dynamics do.
@@ -305,7 +323,8 @@ def code_check(
         that of SLC, which has another return period; without one of the two its limit
         state is not checked
     floor
-        the modes of the building that carries the body, on a ground with this spectrum
+        the modes of the building that carries the body, on a ground with this spectrum;
+        by default those of the structure
     confidence
         confidence factor FC of the code [-], from 1
 
@@ -340,7 +359,10 @@ def code_check(
             " 1.35"
         )
     sites = {"slv": site, "slc": site_slc}
-    apart = bool(floor)  # from the dynamics, which are those on the ground
+    # from the dynamics, which are those on the ground
+    apart = bool(floor) and not structure.building
+    floor = floor or structure.building
+    structure = replace(structure, building=())
     if isinstance(motion, Motion) and motion.floor is not None:
         apart = False
     asked = {key: _of_file(one, floor) for key, one in sites.items() if one is not None}
@@ -501,17 +523,17 @@ def first_beyond(
     >>> round(first_beyond(column, sine(), parse_grid("a_g=0.3g,T_g=0.4")) / 9.81, 3)
     0.571
     """
-    structure = structure_from(structure)
-    motion, shaking = demand_of(motion, shaking)
+    body = structure_from(structure)
+    ((structure, moved, shaking),) = on_floors([(body, *demand_of(motion, shaking))])
     demand, omega = shaking.cell(structure)
     system = governing_method(structure, dimensionless=shaking.dimensionless).system_of(
         structure
     )
-    low = system.least_uplift(motion)
+    low = system.least_uplift(moved)
     top = 10.0 * demand if most is None else structure.dimensionless_amplitude(most)
 
     def march(row: np.ndarray, amplitude: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        found = response(system, motion, amplitude, omega, how="floats")
+        found = response(system, moved, amplitude, omega, how="floats")
         with np.errstate(invalid="ignore"):
             beyond = found.theta_ratio > share  # counts as a fall
         found.outcome[beyond] = Outcome.OVERTURNED_AFTER_IMPACT

@@ -17,6 +17,7 @@ from ..dynamics.outcome import LOST, Outcome
 from ..dynamics.sliding import Base, Sliding, Slip
 from ..errors import ArgumentError, UsageError
 from ..motions import Motion
+from ..motions.floors import on_floors
 from ..motions.given import AnyMotion, demand_of
 from ..motions.grid import Grid
 from ..showing import Shown
@@ -351,8 +352,8 @@ def slide_history(
     >>> round(found.slide_max, 6), round(found.slide_residual, 6)
     (0.125812, 0.006298)
     """
-    structure = structure_from(structure)
-    moved, grid = demand_of(motion, shaking)
+    body = structure_from(structure)
+    ((structure, moved, grid),) = on_floors([(body, *demand_of(motion, shaking))])
     friction = friction_that_slides(structure)
     if friction is None:
         return None

@@ -24,6 +24,7 @@ from ..envelopes.withstanding import withstand
 from ..envelopes.worst import at_worst_frequency
 from ..errors import UsageError
 from ..motions import Motion
+from ..motions.floors import on_floors
 from ..motions.given import AnyMotion, Shake, demand_of, demands_of
 from ..motions.grid import Grid
 from ..processes import available_cpus
@@ -108,6 +109,10 @@ class Boundary(Shown):
             for key, value in asdict(self).items()
             if key not in ("shown", "unit")
         }
+
+
+class NoAnswer(str):
+    """A remark on a value of which it is not known whether the structure stands."""
 
 
 def boundaries(
@@ -330,17 +335,16 @@ class _BoundarySearch:
 
         stands: True if the structure stands at the value `judged`.
         """
-        key = self.varied.key
 
         def exists(value: float) -> bool | None:
             return None if any(one.fault for one in self._members(value)) else stands
 
         edge, _ = self._closest(without, judged, stands, exists)
-        said = f"there is a structure {to} {key} = {edge:.6g}"
+        said = f"there is a structure {to} {self._at(edge)}"
         there = self._verdict(edge)
         if there is None:  # no equation holds, or the search fails
             edge, there = self._closest(edge, judged, stands, self._verdict)
-            said += f", and a verdict {to} {key} = {edge:.6g}" * (there is stands)
+            said += f", and a verdict {to} {self._at(edge)}" * (there is stands)
         if there is stands:
             said += f", where it {'stands' if stands else 'does not stand'}"
         self.remarks.append(said)
@@ -430,8 +434,13 @@ class _BoundarySearch:
         """The number of motions under which the structure may fall."""
         return math.floor(motions * (1.0 - self.share) + 1e-9)
 
+    def _at(self, value: float) -> str:
+        """Return the key with a value in words, and the unit that the range states."""
+        unit = f" {self.varied.unit}" if self.varied.unit else ""
+        return f"{self.varied.key} = {value:.6g}{unit}"
+
     def _no_verdict(self, value: float) -> None:
-        self.remarks.append(f"no verdict for {self.varied.key} = {value:g}")
+        self.remarks.append(NoAnswer(f"no verdict for {self._at(value)}"))
 
     def excess(self, value: float) -> float:
         """Return ln(capacity_demand/margin) for a value of the key; NaN if there is no
@@ -474,7 +483,7 @@ class _BoundarySearch:
         if faults:
             self.known[value] = math.nan
             self.remarks.append(
-                f"no solution for {self.varied.key} = {value:g}: {faults[0]}"
+                NoAnswer(f"no solution for {self._at(value)}: {faults[0]}")
             )
             return []
         structures = [x.parameters for x in members if x.parameters is not None]
@@ -494,7 +503,9 @@ class _BoundarySearch:
             for shake in (*self.shakes, *self.opposite)
             for one in structures
         ]
-        return demands if self.up_to is None else self._at_worst(value, demands)
+        if self.up_to is not None:
+            demands = self._at_worst(value, demands)
+        return on_floors(demands)
 
     def _members(self, value: float) -> list[Member]:
         """Return the structures of a value of the key, of a stack each interface."""
@@ -570,8 +581,10 @@ class _BoundarySearch:
             exact = self._narrowed(low, high, above)
         except UsageError as error:  # no equation holds at a value between them
             self.remarks.append(
-                f"no verdict for {self.varied.key} between {low:g} and {high:g}:"
-                f" {error}"
+                NoAnswer(
+                    f"no verdict for {self.varied.key} between {low:g} and {high:g}:"
+                    f" {error}"
+                )
             )
             return None
         if exact is None:

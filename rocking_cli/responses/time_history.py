@@ -4,7 +4,7 @@ the nonlinear equation.
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -14,6 +14,7 @@ from ..dynamics.method import Method, governing_method, methods_of
 from ..dynamics.outcome import LOST, Outcome
 from ..errors import ArgumentError, StructureError, UsageError
 from ..motions import Motion, Piece
+from ..motions.floors import on_floors
 from ..motions.given import AnyMotion, demand_of
 from ..motions.grid import Grid
 from ..showing import Shown
@@ -558,8 +559,13 @@ def time_history(
     >>> [event.event for event in found.histories["nonlinear"].events][:3]
     ['uplift', 'peak', 'impact']
     """
-    structure = structure_from(structure)
-    moved, shaking = (STILL, None) if motion is None else demand_of(motion, shaking)
+    body = structure_from(structure)
+    moved: Motion = STILL
+    if motion is None:
+        structure, shaking = replace(body, building=()), None
+    else:
+        demand = (body, *demand_of(motion, shaking))
+        ((structure, moved, shaking),) = on_floors([demand])
     several = methods_of(methods) or [
         governing_method(
             structure, dimensionless=shaking is not None and shaking.dimensionless

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 from ..documents.files import named_after
 from ..documents.spreads import NOTED_CUT
 from ..errors import DocumentError, StructureError
+from .building_modes import modes_in
 from .kinds import KINDS, build, known_keys, reports_of
 from .parameters import OTHERS, RockingParameters, Side
 from .rigidity import rigidity_of
@@ -70,6 +71,7 @@ def build_structure(document: Document) -> RockingParameters:
         static, kinetic = friction_of(document)
         damping = damping_of(document) + built.damping
         details, flexible = rigidity_of(document, built)
+        building = modes_in(document)
         document.has("labels")  # a key of every kind, also of installed packages
         document.finish(known_keys)
         sized = (*size_remarks(document, built), *cut_remarks(document))
@@ -77,6 +79,7 @@ def build_structure(document: Document) -> RockingParameters:
             "damping": damping,
             "friction": static,
             "kinetic_friction": kinetic,
+            "building": building,
             "labels": labels_of(document),
             "details": {**built.details, **details},
             "remarks": (*built.remarks, *document.doubts.values(), *sized, *flexible),

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 from ..documents.quantities import DEFAULT_GRAVITY
 from ..errors import StructureError
 from ..showing import Shown
+from .building_modes import FloorMode, row_of_mode
 from .restraints import Restraints
 
 if TYPE_CHECKING:
@@ -145,6 +146,7 @@ class RockingParameters(Shown):
         [m], empty without a geometry
     restraints: ties and a tendon, which change uplift, stiffness and equilibrium; all
         other numbers are those of the free body
+    building: modes of the building on whose floor it stands, empty on the ground
     labels: texts by name that a document or a table has beside its numbers
     remarks: sentences on numbers that are probably wrong
 
@@ -189,6 +191,8 @@ class RockingParameters(Shown):
     # ties and a tendon, which change uplift, stiffness and equilibrium; all other
     # numbers are those of the free body
     restraints: Restraints | None = None
+    # modes of the building on whose floor it stands, empty on the ground
+    building: tuple[FloorMode, ...] = ()
     # texts by name that a document or a table has beside its numbers
     labels: Mapping[str, str] = field(default_factory=dict, repr=False, compare=False)
     # sentences on numbers that are probably wrong
@@ -352,6 +356,8 @@ class RockingParameters(Shown):
             more["friction"] = friction["static"]
             more["kinetic_friction"] = friction["kinetic"]
         more |= {"eta_source": row["eta_source"], "gravity": row["gravity"]}
+        modes = row.get("building", ())
+        more["building"] = tuple(FloorMode(*mode.values()) for mode in modes)
         if "ties" in row or "tendon" in row:
             more["restraints"] = Restraints.from_row(row)
         details = {key: row[key] for key in (*VARIED, "restrained") if key in row}
@@ -434,6 +440,8 @@ class RockingParameters(Shown):
         if self.kinetic_friction is not None:
             both = {"static": self.friction, "kinetic": self.kinetic_friction}
             more["friction"] = both
+        if self.building:
+            more["building"] = [row_of_mode(mode) for mode in self.building]
         sides = {"sides": [side.row() for side in self.sides]} if self.sides else {}
         more |= self.restraints.row() if self.restraints else {}
         more |= {"labels": dict(self.labels)} if self.labels else {}

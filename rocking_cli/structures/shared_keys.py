@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from ..documents.keys import Key, Keys, Usual, in_units, positive
 from ..documents.quantities import DEFAULT_GRAVITY
+from .building_modes import MODE
 from .mechanics.moments import INERTIAS
 from .parameters import MOST_DAMPING
 from .restraints import SIDES
@@ -69,6 +70,11 @@ SHARED = Keys(
             _COEFFICIENT,
             doc="of the base or the joints: a number, or {static: 0.35, kinetic: 0.3}",
             inner=_FRICTION,
+        ),
+        "building": Key(
+            "parts",
+            "modes of the building on whose floor it stands; see rocking help base",
+            inner=MODE,
         ),
         "labels": Key("any", "texts by name, which are not used"),
     },

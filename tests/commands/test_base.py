@@ -7,6 +7,8 @@ SYNTHETIC = "configs/motions/synthetic.at2"
 SLIDER = "block:0.5x2,friction=0.2"
 RECORD = ("--motion", SYNTHETIC)
 UP = ("--vertical", SYNTHETIC, "--vertical-scale", "0.5")
+CARRIED = "block:0.5x2,name=K,building=[{T: 0.4, xi: 0.05, gamma_psi: 1.3}]"
+RANGE = ("--a-g", "1", "--f-g", "1:2")
 FLOOR = ("--building", "T=0.4,xi=0.05,gamma_psi=1.3")
 
 
@@ -158,7 +160,20 @@ def test_what_takes_the_base_not_to_slide_says_so(rocking):
         (("check", "block:1x4", *RECORD, "--building", "T=1,xi=5"), "mean 0.05"),
         (("check", "block:1x4", *RECORD, *FLOOR, *FLOOR), "two modes of T = 0.4 s"),
         (("check", "block:1x4", "--A", "2", "--Omega", "3", *FLOOR), "have units"),
-        (("check", "block:1x4", "--a-g", "1", "--f-g", "1:2", *FLOOR), "a range of"),
+        (
+            ("solve", "block:1x4", "--vary", "width=1:2", *RANGE, *FLOOR),
+            "range of frequencies here",
+        ),
+        (("check", CARRIED, *RECORD, *FLOOR), "has the key building: K"),
+        (("check", CARRIED, "--A", "2", "--Omega", "3"), "have units"),
+        (
+            ("check", CARRIED, *RECORD, "--code", "ntc2018", "--floor", FLOOR[1]),
+            "--floor does not go with",
+        ),
+        (
+            ("spectrum", CARRIED, "--grid", "a_g=1:2:2,f_g=1:2:2", "-o", "x.h5"),
+            "not known here",
+        ),
         (("envelope", "block:1x4", "--grid", "f_g=1:2:2", *FLOOR), "with records here"),
     ],
 )
@@ -265,3 +280,13 @@ def test_the_slide_of_a_body_is_drawn(rocking, tmp_path):
     assert done.returncode == 0
     text = (tmp_path / "slide.svg").read_text(encoding="utf-8")
     assert "friction" in text
+
+
+def test_the_code_takes_the_floor_of_the_document(rocking, tmp_path):
+    (tmp_path / "site.csv").write_text("T [s],S_a [g]\n0,0.3\n0.5,0.7\n4,0.05\n")
+    code = ("--code", "ntc2018", "--spectrum", "site.csv", "--json")
+    keyed = rocking("check", CARRIED, *code).record
+    stated = rocking("check", "block:0.5x2,name=K", *code, "--floor", FLOOR[1]).record
+    ground = rocking("check", "block:0.5x2,name=K", *code).record
+    assert keyed == stated
+    assert keyed["code_slv"] < ground["code_slv"]

@@ -16,6 +16,8 @@ FILES = {
         "kind: parameters\np: 1\nalpha: 1e-30\nlambda: 1e-30\neta: 0.9\ngravity: 0.01"
     ),
     "empty": "",
+    "tab.yaml": "kind: block\n\twidth: 1\n",
+    "percent.yaml": "{kind: block, width: 1, height: 4, restitution: 90%}",
     "site.csv": "T [s],S_a [g]\n0,0.2\n0.15,0.5\n0.5,0.5\n2,0.12\n5,0.03\n",
     "both.csv": "T,S_a [g],Se [g]\n0,1,2\n1,2,3\n",
     "column.txt": "0\n1\n",
@@ -147,7 +149,7 @@ REFUSED = {
         (
             2,
             f"{COLUMN} {AT} --floor T=1,xi=5%,gamma_psi=1",
-            "--floor: xi: found '5%'; expected a number without a unit, such as",
+            "xi: found '5%'; expected a number without a unit; did you mean 0.05?",
         ),
         (
             2,
@@ -321,7 +323,7 @@ REFUSED = {
     "params": [
         (2, f"{COLUMN} --json --csv", "--json does not go with --csv"),
         (2, "nothere.yaml", "nothere.yaml: cannot be read"),
-        (2, "configs", "cannot be read"),
+        (2, "configs", "configs: found a folder"),
         (3, "empty", "empty"),
         (3, f"{COLUMN} kilograms.yaml", "width: found 2 kg"),
     ],
@@ -571,7 +573,30 @@ REFUSED = {
         ),
     ],
 }
-CALLS = [
+# What users typed: the hint on what they mean.
+MEANT = [
+    (2, f"check stated.yml {AT}", "(did you mean 'stated.yaml'?)"),
+    (2, f"check . {AT}", ".: found a folder; expected a file"),
+    (2, f"check 0.5x2 {AT}", "(did you mean 'block:0.5x2'?)"),
+    (2, "stated.yaml", "; expected one before it: rocking check stated.yaml"),
+    (3, f"check tab.yaml {AT}", "found a tab; expected blanks"),
+    (3, f"check percent.yaml {AT}", "or auto; did you mean 0.9?"),
+    (2, f"check {COLUMN} --a-g 30% --f-g 1", "; did you mean 0.3g?"),
+    (2, f"check {COLUMN} --a-g 0.3G --f-g 1", "; did you mean 0.3 g?"),
+    (2, f"check {COLUMN} --a-g 0.3g --f-g 1hertz", "; did you mean 1 Hz?"),
+    (2, f"check {COLUMN} --a-g 1 --f-g 0.5-5", "; a range is written 0.5:5"),
+    (2, f"check {COLUMN} {AT} -f 1", "rocking check: No such option -f (see"),
+    (2, f"check {COLUMN} {AT} --model x", "--model; commands with it: response, c"),
+    (2, f"check {COLUMN} {AT} --sort capacty", "(did you mean 'capacity'?)"),
+    (2, f"check {COLUMN} {AT} --units hz", "(did you mean 'Hz'?)"),
+    (2, f"check {COLUMN} {AT} --units inch", "(did you mean 'in'?)"),
+    (2, f"check {COLUMN} {AT} -o x.csv", "or the rows by --csv > x.csv"),
+    (3, f"check {COLUMN} --motion {COLUMN}", "found a structure, of kind block; exp"),
+    (2, f"check {COLUMN} --motion column.txt,units=g", "(did you mean 'unit'?)"),
+    (2, "plot stated.yaml -o x.png", "stated.yaml: found a document; expected"),
+    (2, f"fragility {COLUMN} {AT2} {LEVELS} --im SA", "such as SA(1.0)"),
+]
+CALLS = MEANT + [
     (code, f"{command} {line}", words)
     for command, calls in REFUSED.items()
     for code, line, words in calls

@@ -360,3 +360,10 @@ def test_what_stands_up_to_the_margin_is_what_has_the_capacity():
         assert withstand(searches, margin) == [
             c is None or c >= margin for c in capacities
         ]
+
+
+def test_a_remark_on_a_value_has_the_unit_of_the_range(rocking):
+    call = ("solve", "block:0.6x1", *SHAKING, "--vary", "height=0cm:200cm:3", "--json")
+    said = rocking(*call).stderr
+    assert "no solution for height = 0 cm: " in said
+    assert "there is a structure from height = 42.42" in said

@@ -4,20 +4,30 @@ a raster of an independent integration.
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import pytest
 from support.references import answers
 
 from rocking_cli import (
+    check,
     dimensionless_oscillator,
+    floor_of,
     linear_response,
+    load_structures,
     overturned,
     parse_grid,
     pulse,
+    sine,
 )
-from rocking_cli.envelopes.frequency_search import ScanRows, _minima
+from rocking_cli.envelopes.frequency_search import (
+    FrequencyRange,
+    ScanRows,
+    _minima,
+)
 from rocking_cli.envelopes.intervals import trace_envelope
-from rocking_cli.envelopes.worst import at_worst_frequency
+from rocking_cli.envelopes.worst import at_worst_frequency, search_of
 
 
 @pytest.mark.soak
@@ -73,3 +83,37 @@ def test_equal_first_falls_are_all_minima_of_the_scan():
     assert _minima(np.arange(3), rows, first).tolist() == [0, 1, 2]
     first[1] = 1.1
     assert _minima(np.arange(3), rows, first).tolist() == [1]
+
+
+FLOOR = "T=0.3,xi=0.3,gamma_psi=1.3"
+KEYED = "block:0.5x2,building=[{T: 0.3, xi: 0.3, gamma_psi: 1.3}]"
+
+
+def on_the_floor(f, a_max=None):
+    """The verdict under the motion of the floor at a frequency of the ground [Hz]."""
+    floor = floor_of(sine(), FLOOR, 0.25 * 9.81, math.tau * f)
+    return check("block:0.5x2", floor, "a_g=0.25g", a_max=a_max)
+
+
+def test_a_search_on_a_floor_moves_it_anew_at_each_frequency():
+    (body,) = load_structures(KEYED)
+    low, high = (parse_grid(f"a_g=0.25g,f_g={f}") for f in (1.0, 1.2))
+    one = FrequencyRange.of(body, sine(), low, high, None)
+    turned, outcome = search_of([one], sine()).under(
+        np.zeros(2, int), np.array(one.ends)
+    )
+    found = [on_the_floor(f) for f in (1.0, 1.2)]
+    assert outcome.tolist() == [v.outcome for v in found]
+    assert turned == pytest.approx([v.theta_ratio for v in found], rel=0.01)
+
+
+@pytest.mark.soak
+def test_on_a_floor_the_worst_frequency_is_that_of_the_motions_of_the_floor():
+    (body,) = load_structures(KEYED)
+    low, high = (parse_grid(f"a_g=0.25g,f_g={f}") for f in (0.8, 1.6))
+    worst = at_worst_frequency(body, sine(), low, high)
+    first = on_the_floor(worst.frequency, 20.0).first_overturning_a
+    tried = [on_the_floor(f, 20.0) for f in np.linspace(0.8, 1.6, 9)]
+    assert first <= 1.002 * min(v.first_overturning_a or np.inf for v in tried)
+    turned = on_the_floor(worst.largest[1]).theta_ratio
+    assert turned >= 0.998 * max(v.theta_ratio for v in tried)

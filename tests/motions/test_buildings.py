@@ -2,6 +2,7 @@
 a Runge-Kutta method.
 """
 
+import json
 import math
 from itertools import pairwise
 
@@ -10,11 +11,17 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 
-from rocking_cli import load_records, read_record
-from rocking_cli.errors import UsageError
+from rocking_cli import (
+    RockingParameters,
+    check,
+    load_records,
+    load_structures,
+    read_record,
+    time_history,
+)
+from rocking_cli.errors import DocumentError, UsageError
 from rocking_cli.motions import Motion, pulse
 from rocking_cli.motions.biaxial import with_vertical
-from rocking_cli.motions.building_modes import FloorMode, parse_mode
 from rocking_cli.motions.buildings import (
     CHORD,
     TAIL,
@@ -25,6 +32,7 @@ from rocking_cli.motions.buildings import (
 )
 from rocking_cli.motions.polyline import Polyline
 from rocking_cli.motions.records.writing import at2_text
+from rocking_cli.structures.building_modes import FloorMode, parse_mode
 
 SYNTHETIC = "configs/motions/synthetic.at2"
 ONE = Building((FloorMode(0.4, 0.05, 1.3),))
@@ -262,3 +270,53 @@ def test_a_polyline_that_jumps_stays_exact():
     assert found.value(0.0) == pytest.approx(first, abs=1e-12)
     jump = float(found.value(0.3) - found.value(0.3 - 1e-9))
     assert jump == pytest.approx((1.0 - 1.3) * -2.0, abs=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("motion", "grid", "ground"),
+    [
+        ("sine", "a_g=0.2g,f_g=1.5", {"a_g": 0.2 * 9.81, "omega": math.tau * 1.5}),
+        (SYNTHETIC, None, {}),
+    ],
+)
+def test_a_body_whose_document_has_the_building_is_that_on_the_floor(
+    motion, grid, ground
+):
+    floor = floor_of(motion, "T=0.4,xi=0.05,gamma_psi=1.3", **ground)
+    keyed = "block:0.8x2,name=K,building=[{T: 0.4, xi: 0.05, gamma_psi: 1.3}]"
+    found = check(keyed, motion, grid, a_max=None)
+    stated = "a_g=0.2g" if grid else None
+    assert found.row() == check("block:0.8x2,name=K", floor, stated, a_max=None).row()
+    assert found.floor_pga == pytest.approx(
+        floor.largest * (ground.get("a_g") or floor.acceleration)
+    )
+    if grid:
+        history = time_history(keyed, motion, grid)
+        on_floor = time_history("block:0.8x2,name=K", floor, stated)
+        assert list(history.rows()) == list(on_floor.rows())
+
+
+def test_the_parameters_of_a_body_keep_its_building():
+    keyed = "block:0.8x2,building=[{T: 0.4, xi: 0.05, gamma_psi: 1.3}]"
+    (body,) = load_structures(keyed)
+    assert body.building == ONE.modes
+    again = RockingParameters.from_row(body.row())
+    assert again.building == ONE.modes
+    (read,) = load_structures(json.dumps(body.row()))
+    assert read.building == ONE.modes
+
+
+@pytest.mark.parametrize(
+    ("modes", "said"),
+    [
+        ("[{T: 0.4}]", "no key 'xi'"),
+        ("[{T: 0, xi: 0.05}]", "a period from 0.001 to 1000 s"),
+        ("[{T: 1, xi: 5}]", "above 0 and below 1"),
+        ("[{T: 1, xi: 0.05, gamma_psi: 0}]", "other than zero"),
+        ("[{T: 1, xi: 0.05}, {T: 1, xi: 0.1}]", "two modes of T = 1 s"),
+        ("[{T: 1, xi: 0.05, gama_psi: 1}]", "did you mean 'gamma_psi'"),
+    ],
+)
+def test_faults_of_the_key(modes, said):
+    with pytest.raises(DocumentError, match=said):
+        load_structures(f"{{kind: block, width: 1, height: 4, building: {modes}}}")

@@ -263,7 +263,7 @@ def test_what_is_stated_beside_a_file_goes_before_the_rest(mixed):
         ("a.AT2,dt=0.03", "`dt`: found 0.03 s; the file says otherwise"),
         ("a.AT2,unit=mile", "`unit`: found 'mile'"),
         ("a.AT2,dt=x", "`dt`: "),
-        ("a.AT2,colour=red", "a.AT2,colour=red"),
+        ("a.AT2,colour=red", "a.AT2: found colour= beside the file"),
     ):
         with pytest.raises((DocumentError, UsageError), match=words):
             read_motions([stated])
@@ -406,7 +406,7 @@ def test_documents_and_pulses_are_turned_over_and_what_goes_with_a_record_is_ref
         assert turned.largest == pytest.approx(pulse(name).largest, rel=1e-12)
         assert len(turned.segments) == len(pulse(name).segments)
     path.write_text("kind: block\n")
-    with pytest.raises(DocumentError, match="neither pieces nor points"):
+    with pytest.raises(DocumentError, match="found a structure, of kind block"):
         read_motion(path)
 
 
@@ -420,7 +420,7 @@ def test_documents_and_pulses_are_turned_over_and_what_goes_with_a_record_is_ref
                 " with one of PGA, PGV, PGD, Arias, CAV"
             ),
         ),
-        ({"scale_to": "SA=1g"}, "SA: found '' for a period; expected a time"),
+        ({"scale_to": "SA=1g"}, "SA: found no period; expected a time"),
         (
             {"scale_to": "PGA=1 m"},
             "`scale_to` PGA: found '1 m'; expected an acceleration",

@@ -69,7 +69,7 @@ def test_accuracy_is_error_over_time(drawn, table):
 
 @pytest.mark.parametrize(
     ("count", "name", "grows"),
-    [(2, "a", 1), (6, "a", 1), (7, "a", 0), (2, "a" * 40, 0)],
+    [(2, "a", 1), (9, "a", 1), (10, "a", 0), (2, "a" * 40, 0)],
 )
 def test_a_legend_stands_below_the_axes_or_if_it_is_long_beside_them(
     count, name, grows

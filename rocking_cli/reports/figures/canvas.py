@@ -54,6 +54,7 @@ WIDTH, PANEL = 5.6, (4.2, 3.2)  # inches
 _INCH = 0.0254  # m
 _POINTS = 72.0  # an inch: the unit of an SVG or PDF
 MOST_ACROSS, MOST_PANELS = 3, 24
+_MOST_BELOW = 9  # entries of a legend below the figure
 # equal figures give equal files
 _UNDATED: dict[str, dict[str, Any]] = {
     "svg": {"Date": None},
@@ -421,7 +422,7 @@ def panels(figure: Figure, count: int) -> list[Axes]:
     """
     if count > MOST_PANELS:
         raise UsageError(f"found {count} panels; expected up to {MOST_PANELS}")
-    across = min(count, MOST_ACROSS)
+    across = panels_across(count)
     down = -(-count // across)
     if count > 1:
         figure.set_size_inches(PANEL[0] * across, PANEL[1] * down)
@@ -442,6 +443,11 @@ def plain_ticks(axis: Any) -> None:
     axis.set_minor_formatter(NullFormatter())
 
 
+def panels_across(count: int) -> int:
+    """Return how many panels stand in a row; four stand in two rows of two."""
+    return 2 if count == 4 else min(count, MOST_ACROSS)
+
+
 def legend(axes: Axes, handles: Sequence[Any] | None = None) -> None:
     """Add a legend below the figure if it is short, else beside it; none for a single
     line.
@@ -455,7 +461,7 @@ def legend(axes: Axes, handles: Sequence[Any] | None = None) -> None:
     # Axes of the caller, around which nothing makes room
     if not is_own(axes):
         axes.legend(handles=entries, fontsize="x-small", loc="best")
-    elif len(entries) <= 6 and longest <= 30:
+    elif len(entries) <= _MOST_BELOW and longest <= 34:
         across = min(len(entries), max(1, int(width / (0.065 * longest + 0.6))))
         figure.legend(handles=entries, loc="outside lower center", ncols=across)
         figure.set_size_inches(width, height + 0.18 * -(-len(entries) // across))

@@ -133,13 +133,13 @@ def family(
     return panels[: len(keys)]
 
 
-def _common_name(rows: Rows, varied: str) -> str:
+def _common_name(rows: Rows, varied: str, column: str = "name") -> str:
     """Return the name of the structure whose members these are, empty for several
     structures; varied: the heading of the first varied key, with which the name of a
     member goes on.
     """
     key = varied.partition(" [")[0]
-    names = {row["name"].partition(f" {key}=")[0] for row in rows}
+    names = {row[column].partition(f" {key}=")[0] for row in rows}
     return names.pop() if len(names) == 1 else ""
 
 
@@ -188,15 +188,17 @@ def least_amplitudes(
         least = [_first(lines, y) for lines in groups(some, _X).values()]
         axes.plot(
             *_broken(least, column_in(least, y, units)),
-            label=", ".join(words) or "_",
+            label=", ".join(words) or "first overturning",
             **line_style(i),
         )
         if "demand_a" in rows[0]:
             _plot_demand(axes, float(column_in(some, "demand_a", units)[0]), demands)
+    name = literal(_common_name(rows, varied[0].removeprefix(VARIED), "structure"))
+    under = heading(rows, units, "motion", "record", "model")
     axes.set(
         xlabel=xlabel,
         ylabel=label(y, units),
-        title=heading(rows, units, "motion", "record", "model"),
+        title="\n".join(filter(None, (name, under))),
     )
     axes.set_ylim(bottom=0.0)
     legend(axes)

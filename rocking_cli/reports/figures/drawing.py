@@ -14,7 +14,15 @@ from ...structures.kinds import sketch_of
 from ...structures.parameters import RockingParameters, weaker_side
 from ...structures.sketch import Point, Sketch, rectangle
 from ..units import Units
-from .canvas import MOST_ACROSS, Axes, Look, canvas, literal, panels, require_axes
+from .canvas import (
+    Axes,
+    Look,
+    canvas,
+    literal,
+    panels,
+    panels_across,
+    require_axes,
+)
 from .labels import Ink, spaced
 
 _WIDTH = 4.2  # inches, of a panel
@@ -80,7 +88,7 @@ def draw_structures(
             )
         structure_axes(require_axes(target), *found[0], units or Units())
         return target
-    across = min(len(found), MOST_ACROSS)
+    across = panels_across(len(found))
     natural = _WIDTH * across
     with canvas(target, overwrite, look=look, tell=tell, natural=natural) as figure:
         drawn = panels(figure, len(found))
@@ -94,6 +102,7 @@ def draw_structures(
             structure_axes(axes, one, sketch, units)
             if not one_scale:
                 _plot_scale_bar(axes, 0.4 * min(sizes), units)
+        figure.supxlabel("dashed: at the critical rotation", fontsize="x-small")
         shape = min(1.4, max(0.4, *map(_shape, drawn)))
         figure.set_size_inches(
             _WIDTH * across, -(-len(found) // across) * (1.0 + (_WIDTH - 0.6) * shape)

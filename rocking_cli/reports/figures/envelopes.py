@@ -85,7 +85,9 @@ def bands(figure: Figure, rows: Rows, units: Units) -> list[Axes]:
             )
             axes.set(xlim=(-0.5, len(records) - 0.5))
         else:
-            margin = 0.02 * (places[-1] - places[0]) or 0.5
+            # beyond the ends nothing is known
+            bars = over in _WIDTHS or len(places) < 2
+            margin = (0.02 * (places[-1] - places[0]) or 0.5) * bars
             axes.set(
                 xlim=(places[0] - margin, places[-1] + margin),
                 xlabel=label(over, units),
@@ -112,7 +114,8 @@ def bands(figure: Figure, rows: Rows, units: Units) -> list[Axes]:
 
 def _reach(found: Iterable[Rows], over: str, units: Units) -> float | None:
     """Return the largest amplitude of the axes in their unit: twice that of the uplift
-    at A = 1, more where nothing overturns so early. None without an overturning.
+    at A = 1, and above the first fall of half of the places. None without an
+    overturning.
     """
     reach = []
     for some in found:
@@ -121,8 +124,13 @@ def _reach(found: Iterable[Rows], over: str, units: Units) -> float | None:
             continue
         reach.append(2.0 * float(np.nanmax(low / A)))
         # of records each stands alone
-        least = np.nanmax(low) if over == "record" else np.nanmin(low)
-        reach.append(1.3 * float(least))
+        at = column_in(some, over, units) if over != "record" else None
+        least = (
+            [np.nanmax(low)]
+            if at is None
+            else [np.nanmin(low[at == x]) for x in np.unique(at[~np.isnan(low)])]
+        )
+        reach.append(1.3 * float(np.median(least)))
     return max(reach, default=None)
 
 

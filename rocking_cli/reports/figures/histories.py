@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from ...responses.identification.trace import Trace
 
 _LEAST = 1e-9  # |theta|/alpha of a body that is off the ground
+_AFTER = 0.1  # of the shown motion: the rest that is shown behind it
 _NEAR = 0.3  # of alpha: a response that reaches it is drawn between lines at alpha
 
 
@@ -45,24 +46,37 @@ def response(
         for c in rows[0]
         if c.startswith(("fx_ratio", "fz_ratio")) and not c.endswith("_after")
     ]
-    ratios = [3, *([1.5] if forces else []), 1]
-    axes, *between, below = figure.subplots(
-        len(ratios), 1, sharex=True, height_ratios=ratios
-    )
+    moves = bool(np.any(column(rows, ground)))  # not in free rocking
+    ratios = [3, *([1.5] if forces else []), *([1] if moves else [])]
+    axes, *others = figure.subplots(
+        len(ratios), 1, sharex=True, height_ratios=ratios, squeeze=False
+    ).ravel()
     files = rotations(axes, rows, units, align)
-    for i, (times, some) in enumerate(files):
-        below.plot(
+    for i, (times, some) in enumerate(files if moves else ()):
+        others[-1].plot(
             *with_jumps(times, column_in(some, ground, units)),
             color="0.3" if len(files) == 1 else f"C{i}",
             lw=1.0,
         )
-    below.set(
-        xlabel=label(x, units) + ", 0 at the largest rotation" * align,
-        ylabel=label("ground_acceleration" if x == "t" else "A_s", units),
-    )
-    for one in between:
-        _plot_forces(one, rows, column_in(rows, x, units), forces, units)
-    return [axes, *between, below]
+    if moves:
+        key = "ground_acceleration" if x == "t" else "A_s"
+        others[-1].set_ylabel(label(key, units))
+    drawn = [axes, *others]
+    drawn[-1].set_xlabel(label(x, units) + ", 0 at the largest rotation" * align)
+    if forces:
+        _plot_forces(others[0], rows, column_in(rows, x, units), forces, units)
+    last = max(_end_of_motion(times, some, ground) for times, some in files)
+    begin, end = axes.get_xlim()
+    axes.set_xlim(right=min(end, last + _AFTER * (last - begin)))
+    return drawn
+
+
+def _end_of_motion(times: np.ndarray, rows: Rows, ground: str) -> float:
+    """Return the time from which body and ground are at rest."""
+    keys = [key for key in rows[0] if key == ground or key.startswith("theta")]
+    moving = [np.flatnonzero(np.abs(column(rows, key)) > _LEAST) for key in keys]
+    last = max((int(at[-1]) for at in moving if at.size), default=-1)
+    return float(times[max(last, 0)])
 
 
 def rotations(

@@ -49,6 +49,9 @@ def traces(
         unit = units.of(key)[0]
         one.set_ylabel(f"{name}\n[{PLAIN.get(unit, unit)}]")
     axes[-1].set_xlabel(label("t", units))
+    if alone is None:
+        words = "integrated as it is, without baseline correction"
+        axes[-1].set_title(words, fontsize="x-small", loc="right")
     if len(records) == 1:
         peak = float(np.max(np.abs(records[0].acceleration)))
         unit, factor = units.of("acceleration")

@@ -27,6 +27,7 @@ from .canvas import (
     legend,
     line_style,
     literal,
+    motion_in_words,
     titled,
     valued,
 )
@@ -68,7 +69,11 @@ def slice_of(file: SpectraFile, cut: str) -> Slice:
     cells = (line, slice(None)) if where == rows[0] else (slice(None), line)
     names = _names(file)
     blocks = [file.block(i, *cells) for i in range(len(names))]
-    motion = "" if file.frame.of_records else f"{literal(file.scene['motion'][0])}, "
+    motion = (
+        ""
+        if file.frame.of_records
+        else f"{literal(motion_in_words(file.scene['motion'][0]))}, "
+    )
     return Slice(
         where,
         float(np.asarray(file.frame.dimensions[where])[at]),

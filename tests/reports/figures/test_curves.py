@@ -434,3 +434,13 @@ def test_the_least_amplitude_of_an_envelope_is_drawn_for_each_frequency_over_a_q
             for w in (0.3, 0.4, 0.5)
         ]
         same(line, np.array([0.3, 0.4, 0.5]) / height, np.array(least) / 9.81)
+
+
+def test_free_rocking_has_no_panel_of_the_ground_and_ends_soon_after_its_rest(
+    drawn, table
+):
+    source, rows = table("response", "block:0.5x2", "--release", "0.2")
+    (axes,) = (a for a in drawn(source).axes if a.get_xlabel())  # one has no label
+    moving = [float(r["t"]) for r in rows if abs(float(r["theta_ratio"])) > 1e-9]
+    assert axes.get_xlim()[1] == pytest.approx(1.1 * moving[-1], rel=0.02)
+    assert axes.get_xlim()[1] < 0.9 * float(rows[-1]["t"])

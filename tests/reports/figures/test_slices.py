@@ -75,7 +75,7 @@ def test_a_slice_is_a_row_of_the_file_with_bars_where_it_overturns(
     )
     assert axes.get_title().splitlines()[0] == r"$\eta$ = 0.9"
     assert (
-        rf"sine 1 cycle, linear equation, $\Omega$ = {frequency[at]:.4g}"
+        rf"one cycle of a sine, linear equation, $\Omega$ = {frequency[at]:.4g}"
         in axes.get_title()
     )
     assert (
