@@ -253,8 +253,8 @@ def code_tokens(file: Path) -> int:
 @pytest.mark.parametrize(
     ("arguments", "most"),
     [
-        ("check configs/block.yaml --a-g 0.35g --f-g 1.5", 148_000),
-        ("spectrum --eta 0.9 --grid A=1:2:2,Omega=1:2:2 -q -o OUT", 112_000),
+        ("check configs/block.yaml --a-g 0.35g --f-g 1.5", 150_000),
+        ("spectrum --eta 0.9 --grid A=1:2:2,Omega=1:2:2 -q -o OUT", 114_000),
     ],
     ids=["check", "spectrum"],
 )

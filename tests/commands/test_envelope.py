@@ -108,7 +108,7 @@ def test_the_limit_may_be_an_acceleration(rocking):
     ]
 
 
-@pytest.mark.slow
+@pytest.mark.soak
 def test_both_equations_are_traced_and_their_difference_told(rocking):
     call = (
         "envelope",

@@ -246,6 +246,7 @@ def test_a_fault_of_the_last_row_comes_before_the_first_one(rocking):
         assert "<stdin>:5:4: height: found x; expected" in done.stderr
 
 
+@pytest.mark.soak
 def test_the_work_on_a_table_grows_with_its_rows(rocking):
     """Counted in lines of Python: a search through all rows for each row shows."""
 

@@ -337,7 +337,7 @@ def test_a_body_that_slides_has_no_capacity_and_no_range_of_frequencies(rocking)
     )
 
 
-@pytest.mark.slow
+@pytest.mark.soak
 def test_what_stands_up_to_the_margin_is_what_has_the_capacity():
     """Outcomes up to the margin against the capacities of `check`, also of bodies with
     two sides, with one, and with a tie.

@@ -211,7 +211,7 @@ def test_yaml_with_commas_is_no_list(text):
     assert parse_documents(text)[0].values["kind"].content in ("arch", "block")
 
 
-@pytest.mark.slow
+@pytest.mark.soak
 def test_a_list_of_many_columns_is_read_once():
     began = time.process_time()
     (document,) = parse_documents(

@@ -15,7 +15,11 @@ OMEGAS = np.array([1.5, 2.0])
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("motion", [sine(), cosine(1)], ids=lambda m: m.name)
+@pytest.mark.parametrize(
+    "motion",
+    [sine(), pytest.param(cosine(1), marks=pytest.mark.soak)],
+    ids=lambda m: m.name,
+)
 def test_first_falls_are_those_of_an_envelope(motion):
     """Under one cycle, and under a motion that is scanned more finely."""
     method, structures = (

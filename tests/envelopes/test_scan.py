@@ -99,7 +99,7 @@ def test_a_close_scan_has_the_outcomes_of_the_march(name):
     assert np.count_nonzero(found != expected) <= 1
 
 
-@pytest.mark.slow
+@pytest.mark.soak
 def test_no_fall_depends_on_the_bodies_and_the_motions_that_are_scanned_with_it():
     cases = [
         (SYSTEMS[name][0], SCANNED[motion], 0.4)

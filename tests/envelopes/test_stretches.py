@@ -149,6 +149,7 @@ def test_nothing_overturns_where_it_is_excluded(sign):
         assert np.all(safe(found))
 
 
+@pytest.mark.soak
 def test_capacities_of_a_table_are_the_same_without_these_proofs_and_in_any_order(
     monkeypatch,
 ):

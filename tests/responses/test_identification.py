@@ -11,6 +11,7 @@ from oracles.free_rocking import free_rocking
 from scipy.integrate import quad
 from scipy.ndimage import median_filter
 from scipy.signal import savgol_filter
+from support.soak import quick
 
 from rocking_cli import (
     DocumentError,
@@ -261,6 +262,7 @@ def test_a_wrong_size_bars_the_lines():
     assert "that of the sizes" in " ".join(found.remarks)
 
 
+@pytest.mark.soak
 def test_a_wrong_gain_is_in_the_interval_only_if_it_is_stated(usual):
     trace = usual[0]
     wrong = Trace("wrong", "theta", trace.t, 1.01 * trace.y)
@@ -367,7 +369,7 @@ REFUSED = {
 }
 
 
-@pytest.mark.parametrize("name", REFUSED)
+@pytest.mark.parametrize("name", quick(REFUSED, *(REFUSED.keys() - {"slides"})))
 def test_what_is_no_free_rocking_is_refused(usual, name):
     change, said = REFUSED[name]
     with pytest.raises(DocumentError, match=said):

@@ -134,7 +134,10 @@ def test_first_overturning_and_the_indices_of_both_keys():
     [
         "block:0.5+-0.01x2",
         "rigid:left=0.3+-0.01,right=0.35,height=1,gyration=0.7",
-        "arch:radius=10,angle=157.5deg+-1deg,thickness=1.5,voussoirs=7",
+        pytest.param(
+            "arch:radius=10,angle=157.5deg+-1deg,thickness=1.5,voussoirs=7",
+            marks=pytest.mark.soak,
+        ),
     ],
 )
 def test_a_draw_has_the_verdict_that_it_has_alone(text):
@@ -175,7 +178,9 @@ def test_a_draw_that_leaves_the_ground_falls_by_the_linear_equation_too():
 @pytest.mark.parametrize(
     "text",
     [
-        "block:0.5+-0.05x2,restitution=0.85..0.95",
+        pytest.param(
+            "block:0.5+-0.05x2,restitution=0.85..0.95", marks=pytest.mark.soak
+        ),
         rectangular("2.66", "0.245+-0.03"),
     ],
     ids=["equation of motion", "linear"],

@@ -67,7 +67,7 @@ def test_a_demand_beyond_the_scan_is_refused_by_its_own_name():
         predict_exactly(dimensionless_oscillator(eta=0.8), sine(1), cell(6e4, 2.0))
 
 
-@pytest.mark.slow
+@pytest.mark.soak
 def test_the_fate_is_one_within_the_margin_and_another_beyond(three_cycles):
     random = np.random.default_rng(7)
     sides = set()
@@ -129,7 +129,7 @@ def test_two_ways_to_fall_that_meet_are_no_boundary():
     assert not fate(pulse("rectangular"), edge * (1 - 1e-9), 2.0, 1.0)
 
 
-@pytest.mark.slow
+@pytest.mark.soak
 def test_a_cell_that_the_spectrum_knows_is_interpolated_exactly(three_cycles):
     found = predict(dimensionless_oscillator(eta=0.8), three_cycles, cell(2.0, 7.0))
     assert found["interpolation_error"] == 0.0

@@ -203,6 +203,7 @@ def test_quantiles_lie_between_the_order_statistics():
     )
 
 
+@pytest.mark.soak
 def test_a_block_is_the_same_by_its_angle_and_by_its_size():
     """2 pi/p = 1 s and alpha = 0.2: the block of that radius under the same records."""
     alpha, p = 0.2, 2.0 * math.pi

@@ -93,6 +93,7 @@ def test_columns_scale_each_record_under_each_structure(name):
             )
 
 
+@pytest.mark.soak
 def test_few_cells_of_each_structure_under_a_long_record():
     """They are marched one by one: every outcome equal, rotations within the tolerance
     times the condition.

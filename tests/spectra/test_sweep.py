@@ -142,7 +142,7 @@ def test_an_interruption_names_the_part_that_it_leaves(tmp_path, monkeypatch):
     assert not (tmp_path / "none.h5.part").exists()
 
 
-@pytest.mark.slow
+@pytest.mark.soak
 def test_memory_does_not_grow_with_the_number_of_cells(tmp_path):
     peaks = []
     for frequencies in (1000, 2000):

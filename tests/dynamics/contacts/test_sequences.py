@@ -31,7 +31,7 @@ def test_bodies_that_hardly_leave_the_ground_and_would_bounce_for_ever_are_at_re
         )  # the first arc is the highest
 
 
-@pytest.mark.slow
+@pytest.mark.soak
 @pytest.mark.parametrize(
     "motion",
     [
