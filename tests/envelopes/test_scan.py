@@ -7,9 +7,10 @@ from itertools import cycle
 import numpy as np
 import pytest
 from support.bodies import SYSTEMS
+from support.documents import built
 from support.synthetic_records import motion_of_samples, noise
 
-from rocking_cli import Outcome, RigidBodyEquation, System, response
+from rocking_cli import Method, Outcome, RigidBodyEquation, System, response
 from rocking_cli.dynamics.contacts.contact import Symmetric
 from rocking_cli.dynamics.outcome import safe
 from rocking_cli.envelopes.scan import Scan, follow
@@ -50,6 +51,20 @@ def test_a_scan_falls_as_the_march_but_next_to_boundaries(name, motion):
     found = ~safe(Scan(system, motion, 0.4).outcomes(amplitude))
     assert 1 < falls[1].sum() < 18
     assert np.count_nonzero((found != falls[1])[settled]) <= 1
+
+
+def test_what_may_lose_contact_is_left_to_the_march():
+    """A stocky body, of which the march finds that half of the cells lose contact."""
+    body = built("kind: block\nwidth: 2\nheight: 2.2\nrestitution: 0.7")
+    system, omega = Method("nonlinear").system_of(body), 1.0 / body.p
+    motion = motion_of_samples(noise(120, 0.05, 1), 0.05)
+    amplitude = system.least_uplift(motion) * np.geomspace(1.0, 6.0, 30)
+    falls, doubtful = Scan(system, motion, omega).falls(amplitude)
+    found = response(system, motion, amplitude, omega, peaks=False).outcome
+    lost = found == Outcome.LOST_CONTACT
+    assert np.all((falls | doubtful)[lost])
+    assert lost.sum() >= 5
+    assert np.sum(safe(found) & ~falls & ~doubtful) >= 5
 
 
 @pytest.mark.slow
