@@ -112,7 +112,7 @@ class CheckOptions:
 
 
 # rows from which on friction_needed and fz_min are computed only if they are asked for
-_LONG_TABLE = 1000
+LONG_TABLE = 1000
 
 
 @command(
@@ -153,7 +153,7 @@ def check(
     to_table = is_table(wanted.output)
     stated = stated_demands(files, asked, wanted.vary, wanted.sign)
     if to_table:
-        forces = len(stated.structures) < _LONG_TABLE
+        forces = len(stated.structures) < LONG_TABLE
         return write_table(stated.needed(False), wanted, sweep, forces)
     if drawn.draws is not None:
         require_spreads(stated.structures)
@@ -316,13 +316,13 @@ def _judge_and_print(
 
 def _forces_wanted(rows: int) -> bool:
     """True if friction_needed and fz_min are computed of every row: of fewer than
-    `_LONG_TABLE`, or if --columns names them.
+    `LONG_TABLE`, or if --columns names them.
     """
     asked = {"friction_needed", "fz_min"}.intersection(chosen_columns())
-    if rows < _LONG_TABLE or asked:
+    if rows < LONG_TABLE or asked:
         return True
     detail(
-        f"friction_needed and fz_min are not computed of {_LONG_TABLE} rows or more;"
+        f"friction_needed and fz_min are not computed of {LONG_TABLE} rows or more;"
         " --columns friction_needed,fz_min asks for them"
     )
     return False

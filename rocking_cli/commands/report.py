@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from . import demand, options
-from .check import CodeOptions
+from .check import LONG_TABLE, CodeOptions
 from .command import command, flag, group, option, partly, refuse
 from .draws import Draws, require_spreads
 from .printing import note, quiet
@@ -199,7 +199,6 @@ def _write_many(
     """
     from ..reports.page_of_many import write_page_of_many
     from ..reports.page_parts import hashes
-    from ..reports.tables import MANY
     from ..reports.wording import opposite_in_words
     from ..responses.check import verdicts
 
@@ -210,7 +209,7 @@ def _write_many(
             a_max=_limit(),
             workers=workers,
             progress=ProgressLine("report", "checks"),
-            forces=len(demands.rows) < MANY,
+            forces=len(demands.rows) < LONG_TABLE,
         )
     )
     turned = opposite()

@@ -110,11 +110,8 @@ def at_worst_frequencies(
     several = min(workers or available_cpus(), len(structures))
     # Groups of about equal size, at least one for each process. A structure on a floor
     # has its own motions.
-    order = sorted(range(len(structures)), key=lambda i: not structures[i].building)
-    floors, ground = [
-        [structures[i] for i in order if bool(structures[i].building) is on_floor]
-        for on_floor in (True, False)
-    ]
+    floors = [s for s in structures if s.building]
+    ground = [s for s in structures if not s.building]
     rounds = math.ceil(len(ground) / (several * _TOGETHER))
     size = math.ceil(len(ground) / (several * max(rounds, 1)))
     groups = [
@@ -128,7 +125,8 @@ def at_worst_frequencies(
     ):
         found += some
         tell(len(found))
-    return [found[order.index(i)] for i in range(len(structures))]
+    of_floors, of_ground = iter(found[: len(floors)]), iter(found[len(floors) :])
+    return [next(of_floors if s.building else of_ground) for s in structures]
 
 
 def _reported(

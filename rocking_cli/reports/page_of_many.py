@@ -62,7 +62,7 @@ def write_page_of_many(
     one; told: further values of the template. Raises OutputError.
     """
     worst = sorted(found, key=capacity_left)[:WORST]
-    if unknown := sum(v.capacity_demand is None for v in found):
+    if unknown := sum(v.capacity_above is not None for v in found):
         remarks = [*remarks, f"Nothing overturns {unknown:,} of them in the search."]
     text = rendered(
         asked,

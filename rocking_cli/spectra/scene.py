@@ -255,12 +255,7 @@ class PulseScene(Scene):
                 f"axis {axis.name}": axis.stated()
                 for axis in (self.grid.frequency, self.grid.amplitude)
             },
-            "motion": [self.motion.name, list(map(asdict, self.motion.pieces))],
-            **(
-                {}
-                if self.motion.vertical is None
-                else {"vertical": list(map(asdict, self.motion.vertical.pieces))}
-            ),
+            **stated_motion(self.motion),
         }
 
     def sharing(self) -> list[tuple[int, ...]]:
@@ -272,6 +267,14 @@ class PulseScene(Scene):
             own = None if slides is None else (slides, s.uplift)
             groups.setdefault((self.system_of(s).key(), own), []).append(i)
         return [tuple(g) for g in groups.values()]
+
+
+def stated_motion(motion: Motion) -> dict[str, Any]:
+    """Return what a result depends on of a pulse, with its vertical motion."""
+    found: dict[str, Any] = {"motion": [motion.name, list(map(asdict, motion.pieces))]}
+    if motion.vertical is not None:
+        found["vertical"] = list(map(asdict, motion.vertical.pieces))
+    return found
 
 
 def require_finite(

@@ -7,7 +7,7 @@ import json
 import math
 import time
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -26,7 +26,7 @@ from ..responses.verdict import Verdict
 from ..structures.parameters import RockingParameters
 from .dimensions import LABEL, VERDICTS, Frame, Values, structure_lists, varied_units
 from .file.layout import FileLayout, packed_block
-from .scene import Unit, cut_into_units
+from .scene import Unit, cut_into_units, stated_motion
 from .sweep import crew, in_turn, kept, units_to_do
 from .sweep_options import SweepOptions
 from .work.jobs import Report
@@ -107,8 +107,8 @@ class VerdictScene:
                 for axis in (grid.amplitude, grid.frequency)
             ],
             "records": [r.identity() for r in self.recordings],
-            "pulse": [
-                [motion.name, list(map(asdict, motion.pieces))]
+            "pulses": [
+                stated_motion(motion)
                 for motion, _ in self.motions
                 if not self.recordings
             ],

@@ -5,12 +5,14 @@ a raster of an independent integration.
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from support.references import answers
 
 from rocking_cli import (
+    FloorMode,
     check,
     dimensionless_oscillator,
     floor_of,
@@ -21,6 +23,7 @@ from rocking_cli import (
     pulse,
     sine,
 )
+from rocking_cli.envelopes import worst
 from rocking_cli.envelopes.frequency_search import (
     FrequencyRange,
     ScanRows,
@@ -117,3 +120,19 @@ def test_on_a_floor_the_worst_frequency_is_that_of_the_motions_of_the_floor():
     assert first <= 1.002 * min(v.first_overturning_a or np.inf for v in tried)
     turned = on_the_floor(worst.largest[1]).theta_ratio
     assert turned >= 0.998 * max(v.theta_ratio for v in tried)
+
+
+def test_structures_on_floors_and_on_the_ground_keep_their_order(monkeypatch):
+    def named(group, **_):
+        return [s.name for s in group]
+
+    monkeypatch.setattr(worst, "_of_a_group", named)
+    (block,) = load_structures("block:0.5x2")
+    floor = (FloorMode(0.4, 0.05),)
+    asked = [
+        replace(block, name=f"b{i}", building=floor if i in (1, 2, 5) else ())
+        for i in range(7)
+    ]
+    grid = parse_grid("a_g=0.3g,f_g=1")
+    found = worst.at_worst_frequencies(asked, sine(), grid, grid, None, workers=1)
+    assert found == [s.name for s in asked]

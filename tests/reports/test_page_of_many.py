@@ -24,7 +24,7 @@ def table(tmp_path, monkeypatch):
     monkeypatch.setattr(page_of_many, "image", lambda plan: "data:x")
     monkeypatch.setattr(page_of_many, "WORST", 5)
     monkeypatch.setattr("rocking_cli.commands.report.MOST", 6)
-    monkeypatch.setattr("rocking_cli.reports.tables.MANY", 0)  # no forces
+    monkeypatch.setattr("rocking_cli.commands.report.LONG_TABLE", 0)  # no forces
     path = tmp_path / "t.csv"
     path.write_text(TABLE)
     return path
@@ -103,3 +103,13 @@ def test_a_bin_of_the_histogram_ends_where_the_capacity_is_the_demand():
     ]
     assert len(colours[0]) == len(colours[1]) == 1
     assert colours[0] != colours[1]
+
+
+def test_a_body_that_slides_is_not_one_that_nothing_overturns(rocking, table, tmp_path):
+    """Of seven that slide the page says what `check` says: no capacity is known."""
+    columns, *rows = TABLE.splitlines()
+    slide = [f"{columns},friction", *(f"{row},0.1" for row in rows)]
+    table.write_text("\n".join(slide))
+    done = rocking(*CALL)
+    assert "7 slide and never rock" in done.stderr
+    assert "Nothing overturns" not in (tmp_path / "t.html").read_text()
