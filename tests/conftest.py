@@ -78,10 +78,10 @@ def rocking(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Run:
     """
     (tmp_path / "configs").symlink_to(ROOT / "configs")
 
-    def run(*arguments: str, stdin: str | None = None) -> Done:
+    def run(*arguments: str, stdin: str | None = None, folder: Path = tmp_path) -> Done:
         handlers = {number: signal.getsignal(number) for number in STOPS}
         with monkeypatch.context() as patch:
-            patch.chdir(tmp_path)
+            patch.chdir(folder)
             patch.setattr(
                 progress, "_FIRST", 1e6
             )  # what is said to be long depends on the load

@@ -16,7 +16,8 @@ _MARKER = "pytest.mark.requirement"
 def marked(tests: Path) -> Iterator[dict[str, str]]:
     """Yield requirement, module, test and case of each case that a marker names."""
     for path in sorted(tests.rglob("test_*.py")):
-        for test in ast.parse(path.read_text(encoding="utf-8")).body:
+        text = path.read_text(encoding="utf-8")
+        for test in ast.parse(text).body if _MARKER in text else ():
             for marker in getattr(test, "decorator_list", ()):
                 if not ast.unparse(marker).startswith(_MARKER):
                     continue
