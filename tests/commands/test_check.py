@@ -143,19 +143,8 @@ def test_a_row_a_structure_and_record(rocking, tmp_path):
                 for i, x in enumerate((0, 1, 1, 0, -1, -1, 0))
             )
         )
-    call = (
-        "check",
-        STATED,
-        "--motion",
-        "r0.csv",
-        "r1.csv",
-        "--unit",
-        "m/s2",
-        "--json",
-        "--a-max",
-        "5",
-    )
-    done = rocking(*call)
+    call = ("check", STATED, "--motion", "r0.csv", "r1.csv", "--unit", "m/s2", "--json")
+    done = rocking(*call, "--a-max", "2.1")
     rows = done.records
     assert [r["motion"] for r in rows] == ["r0", "r1"]
     assert rows[0]["first_overturning_a"] == pytest.approx(
@@ -166,26 +155,16 @@ def test_a_row_a_structure_and_record(rocking, tmp_path):
     )
     assert [r["capacity_demand"] < 1.0 for r in rows] == [False, True]
     assert "1 of 2 overturn: stated under r1" in done.stderr.splitlines()
-    first, second = rocking(*call, "--a-g", "3").records
-    keys = ("outcome", "first_overturning_a", "capacity_demand")
-    assert [first[key] for key in keys] == [
-        second[key] if key == "outcome" else pytest.approx(second[key], rel=1e-12)
-        for key in keys
-    ]
+    first, second = rocking(*call, "--a-g", "2.2", "--verdict-only").records
+    assert first["outcome"] == second["outcome"]
+    assert first["theta_ratio"] == pytest.approx(second["theta_ratio"], rel=1e-12)
 
 
 def test_pipelines_can_fail_on_overturning(rocking):
-    for a_g, more, code in (
-        ("0.35g", (), 0),
-        ("0.35g", ("--fail-on", "overturning"), 5),
-        ("0.1g", ("--fail-on", "overturning"), 0),
-    ):
-        assert (
-            rocking(
-                "check", STATED, "--a-g", a_g, "--f-g", "1.2", "-q", *more
-            ).returncode
-            == code
-        )
+    call = ("check", STATED, "--f-g", "1.2", "--verdict-only", "-q", "--a-g")
+    assert rocking(*call, "0.5g").returncode == 0
+    for a_g, code in (("0.5g", 5), ("0.1g", 0)):
+        assert rocking(*call, a_g, "--fail-on", "overturning").returncode == code
 
 
 def test_a_body_that_leaves_the_ground_does_not_pass_and_linear_is_wrong_of_it(rocking):
@@ -220,8 +199,7 @@ def test_a_negative_amplitude_turns_records_over_too(rocking, tmp_path):
         "m/s2",
         "--dt",
         "0.3",
-        "--a-max",
-        "2",
+        "--verdict-only",
         "--json",
     )
     turned, scaled = (
@@ -248,7 +226,7 @@ def test_a_record_of_a_set_goes_with_the_vertical_one(rocking, refused, tmp_path
         "0.4",
         "--json",
     )
-    row = rocking("check", *with_up, "--a-max", "1.2").record
+    row = rocking("check", *with_up, "--verdict-only").record
     assert row["motion"].startswith("n with up")
     (tmp_path / "up.txt").write_text(
         "".join(f"{9.81 * 0.14 * x:.6f}\n" for x in (0, 1, 1, 0, -1, -1, 0))
@@ -260,8 +238,7 @@ def test_a_record_of_a_set_goes_with_the_vertical_one(rocking, refused, tmp_path
         "--vertical-scale",
         "0.4",
         "--json",
-        "--a-max",
-        "1.2",
+        "--verdict-only",
         "--vertical",
     )
     assert "give it as `--vertical FILE,unit=`" in refused(
@@ -424,10 +401,6 @@ def test_a_stack_has_a_row_for_each_interface_and_one_that_falls_fails_the_check
             alone[key], rel=1e-9
         ), key
     assert "1 of 2 overturn: statue on piece 1 from below" in done.stderr
-    assert (
-        "followed on one interface, as if no other opened"
-        in rocking("envelope", str(stack), "--grid", "f_g=2.5", "--a-max", "1g").stderr
-    )
 
     wider = rocking(
         "check",
@@ -444,7 +417,8 @@ def test_a_stack_has_a_row_for_each_interface_and_one_that_falls_fails_the_check
         "statue on its base",
     ]
     squat = "kind: stack\npieces: [{width: 3, height: 0.5}, {width: 0.4, height: 2}]"
-    assert len(rocking("check", "-", *motion, stdin=squat).records) == 1
+    rows = rocking("check", "-", *motion, "--verdict-only", stdin=squat).records
+    assert len(rows) == 1
 
 
 @pytest.mark.parametrize(
@@ -476,9 +450,6 @@ def test_stated_parameters_without_other_interfaces_are_one_structure(rocking, m
 
 @pytest.mark.slow
 def test_commands_over_many_motions_follow_each_interface_of_a_stack(rocking, tmp_path):
-    """The least amplitude that overturns the upper piece is that of this piece as a
-    block on the ground.
-    """
     (tmp_path / "statue.yaml").write_text(
         "kind: stack\npieces: [{width: 1, height: 4}, {width: 0.1, height: 0.38}]"
     )
@@ -489,12 +460,9 @@ def test_commands_over_many_motions_follow_each_interface_of_a_stack(rocking, tm
         ("statue", "statue on piece 1 from below"),
         ("--grid", "a_g=0.2g:0.8g:3,f_g=2.5"),
     )
-    lowest = [
-        rocking("envelope", body, "--grid", "f_g=2.5", "--lowest", "--json").records
-        for body in (stack, "block:0.1x0.38")
-    ]
-    assert [row["structure"] for row in lowest[0]] == [*names]
-    assert lowest[0][1]["a_from"] == pytest.approx(lowest[1][0]["a_from"], rel=1e-9)
+    traced = rocking("envelope", stack, "--grid", "f_g=2.5", "--a-max", "1g", "--json")
+    assert {row["structure"] for row in traced.records} == {*names}
+    assert "followed on one interface, as if no other opened" in traced.stderr
     assert tuple(structure.name for structure in load_structures(stack)) == names
     stated = rocking("params", stack, "--json")
     assert rocking("params", "-", "--json", stdin=stated.stdout).record == stated.record
@@ -527,18 +495,9 @@ def test_commands_over_many_motions_follow_each_interface_of_a_stack(rocking, tm
             for outcome in ("no_uplift", "overturned_after_impact", "rocked")
         ],
     ]
-    pulses = (
-        "--pulses",
-        "configs/motions/site_pulses.csv",
-        "--levels",
-        "0.1g:1g:10",
-        "--limit",
-        "overturning",
-        "--json",
-    )
-    base, above = rocking("fragility", stack, *pulses).records
-    assert (base["structure"], above["structure"]) == names
-    assert above["median"] < 0.6 * base["median"]
+    pulses = ("--pulses", "configs/motions/site_pulses.csv", "--levels", "0.5g,0.6g")
+    cells = rocking("fragility", stack, *pulses, "--cells", "--json").records
+    assert list(dict.fromkeys(row["structure"] for row in cells)) == [*names]
 
 
 def test_a_tie_of_a_body_at_rest_is_said_to_be_not_stretched(rocking):
@@ -585,29 +544,18 @@ def test_the_effect_of_an_inset_on_the_least_capacity_is_told(rocking):
         f" take {taken} of the capacity"
     )
     assert message in plain.stderr.splitlines()
-    for done in (
-        worn,
-        rocking("check", "block:0.5x2", *SHAKING, "--verdict-only"),
-        rocking("check", "configs/parameters.yaml", *SHAKING),
-    ):
-        assert "inside the edges" not in done.stderr
+    assert "inside the edges" not in worn.stderr
     assert "--inset-effect: no body has a capacity that worn edges lower" in worn.stderr
     hint = "worn or rounded edges lower the capacity: --inset-effect shows by how much"
-    for more, told in (("", True), (",inset=25mm", False)):
-        stands = rocking(
-            "check", f"block:0.5x2{more}", "--a-g", "0.3g", "--f-g", "1.5", "--notes"
-        )
-        assert (hint in stands.stderr, "inside the edges" in stands.stderr) == (
-            told,
-            False,
-        )
+    stands = rocking("check", "block:0.5x2", "--a-g", "0.3g", "--f-g", "2", "--notes")
+    assert hint in stands.stderr
     assert hint not in rocking("check", bodies[0], *SHAKING).stderr  # it falls
 
 
 @pytest.mark.slow
 def test_the_worst_azimuth_of_two_components(rocking, refused, tmp_path):
     (tmp_path / "a.txt").write_text(
-        of_a_station(wave(60, 300.0), wave(60, 200.0), wave(60, 90.0), dt=0.1)
+        of_a_station(wave(20, 300.0), wave(20, 200.0), wave(20, 90.0), dt=0.1)
     )
     call = (
         "check",
@@ -654,9 +602,7 @@ def test_the_worst_azimuth_of_two_components(rocking, refused, tmp_path):
 
 @pytest.mark.slow
 def test_the_worst_frequency_of_a_range_is_exact(rocking):
-    """Beyond its ends nothing is looked for; between them an envelope at 3 frequencies
-    finds no lower amplitude.
-    """
+    """The row is that of the check at the worst frequency."""
     motion = ("--pulse", "cosine", "--a-max", "4")
     done = rocking(
         "check",
@@ -670,19 +616,6 @@ def test_the_worst_frequency_of_a_range_is_exact(rocking):
         "--notes",
     )
     row = done.record
-    lowest = rocking(
-        "envelope",
-        STATED,
-        "--grid",
-        "T_g=1.2:1.4:3",
-        "--lowest",
-        "--model",
-        "linear",
-        *motion,
-        "--json",
-    ).records
-    least = min(one["a_from"] or float("inf") for one in lowest)
-    assert row["first_overturning_a"] <= least * (1.0 + 1e-9)
     there = rocking(
         "check",
         STATED,
@@ -715,7 +648,7 @@ def test_the_worst_frequency_of_a_range_is_exact(rocking):
 )
 def test_rotation_and_displacement_are_the_largest_of_the_range(rocking, more):
     """The least amplitude is that of 0.5 Hz, where the body rocks to 0.168 of alpha.
-    No frequency of a raster of 0.5 % rocks it further than that of the row.
+    No frequency of a raster of 2 % rocks it further than that of the row.
     """
     body = ("block:0.4x1.8", "--a-g", "0.25g")
     row = rocking("check", *body, "--f-g", "0.5:5", *more, "--json").record
@@ -725,17 +658,18 @@ def test_rotation_and_displacement_are_the_largest_of_the_range(rocking, more):
     for key in ("theta_ratio", "top_displacement"):
         assert row[key] == pytest.approx(there[key], rel=1e-9)
     (structure,) = load_structures(body[0])
-    omegas = math.tau * np.geomspace(0.5, 5.0, 461) / structure.p
-    amplitude = np.full(461, structure.dimensionless_amplitude(0.25 * 9.81))
+    omegas = math.tau * np.geomspace(0.5, 5.0, 116) / structure.p
+    amplitude = np.full(116, structure.dimensionless_amplitude(0.25 * 9.81))
     raster = nonlinear_response(
         sine(), amplitude, omegas, structure.eta, structure.alpha
     )
     most = float(raster.theta_ratio.max())
-    assert most * (1.0 - 1e-9) <= row["theta_ratio"] <= most * (1.0 + 1e-4)
+    assert most * (1.0 - 1e-9) <= row["theta_ratio"] <= most * (1.0 + 1e-3)
     if not more:
         assert (row["worst_f_g"], row["worst_f_g_end"]) == (0.5, "lower")
 
 
+@pytest.mark.soak
 def test_the_threshold_of_slow_motions_is_that_of_the_body_not_of_the_range(rocking):
     found = [
         rocking(
@@ -792,9 +726,10 @@ def test_a_demand_that_overturns_at_some_frequency_is_not_called_safe(rocking):
     assert ranged["worst_f_g"] > 0.9
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize(
-    "more", [("--a-max", "2"), ("--verdict-only",)], ids=["searched", "outcomes"]
+    "more",
+    quick([("--a-max", "2"), ("--verdict-only",)], ("--verdict-only",)),
+    ids=["searched", "outcomes"],
 )
 def test_the_worst_frequency_at_an_end_of_the_range_is_told(rocking, more):
     """What is said of slower motions is what the same call finds at that frequency."""
@@ -870,7 +805,7 @@ def test_a_body_below_uplift_has_the_worst_frequency_of_its_capacity(rocking):
     )
 
 
-@pytest.mark.parametrize("a_g", ["0.24g", "0.26g", "0.3g", "0.5g"])
+@pytest.mark.parametrize("a_g", quick(["0.24g", "0.26g", "0.3g", "0.5g"], "0.26g"))
 def test_outcomes_alone_over_a_range_are_those_of_the_search(rocking, a_g):
     call = ("check", STATED, "--a-g", a_g, "--f-g", "0.8:1.2", "--json")
     searched, alone = (
@@ -928,7 +863,7 @@ def test_falls_in_narrow_intervals_are_a_column_and_one_line(rocking, tmp_path):
     )
 
 
-@pytest.mark.slow
+@pytest.mark.soak
 def test_a_narrow_fall_just_above_the_demand_stays_above_it(rocking):
     """Nothing falls at or below the demand of 3.5571 m/s2; the first fall is at
     3.557199 m/s2.
@@ -993,11 +928,9 @@ def test_the_opposite_direction_of_a_body_with_one_side_is_told(rocking):
     ) == (5, "rocked", True)
 
 
-@pytest.mark.slow
-def test_in_a_range_the_worse_direction_of_unequal_sides_counts(rocking):
-    """The capacity is the lesser one of both directions at the worst frequency, and a
-    body that the stated direction does not overturn falls.
-    """
+@pytest.mark.soak
+def test_in_a_range_the_capacity_is_that_of_the_worse_direction(rocking):
+    """It is the lesser one of both directions at the worst frequency."""
     body = ("check", "rigid:left=0.42,right=0.31,height=1.15,gyration=0.68")
     ranged = (*body, "--a-g", "0.4g", "--f-g", "1.2:1.22")
     found = [
@@ -1011,7 +944,12 @@ def test_in_a_range_the_worse_direction_of_unequal_sides_counts(rocking):
     least = min(one["capacity_demand"] for one in both)
     assert capacities[0] == pytest.approx(least, rel=1e-9)
 
-    ranged = ("check", "block:0.5x2,one_sided=true", "--a-g", "0.6g", "--f-g", "1:3")
+
+def test_in_a_range_the_worse_direction_of_unequal_sides_counts(rocking):
+    """A body that the stated direction does not overturn falls; where neither does, the
+    larger rotation counts.
+    """
+    ranged = ("check", "block:0.5x2,one_sided=true", "--a-g", "0.6g", "--f-g", "1:2")
     for scale in ("1", "-1"):
         more = ("--verdict-only", "--scale", scale, "--fail-on", "overturning")
         done = rocking(*ranged, *more, "--json", "--notes")
@@ -1019,13 +957,11 @@ def test_in_a_range_the_worse_direction_of_unequal_sides_counts(rocking):
         assert done.record["outcome"].startswith("overturned")
         assert "worse of both directions" in done.stderr
 
-    # Where neither direction overturns it, the larger rotation counts.
     wall = ("check", "wall:0.4x2.2,one_sided=true", "--pulse", "ricker-symmetric")
-    more = ("--a-g", "0.36g", "--f-g", "1.6:1.7", "--json")
-    for search in (("--verdict-only",), ("--a-max", "0.37g")):
-        row = rocking(*wall, *more, *search).record
-        assert row["motion"] == "symmetric Ricker times -1"
-        assert row["outcome"] == "rocked"
+    more = ("--a-g", "0.36g", "--f-g", "1.6:1.7", "--json", "--verdict-only")
+    row = rocking(*wall, *more).record
+    assert row["motion"] == "symmetric Ricker times -1"
+    assert row["outcome"] == "rocked"
 
 
 def test_a_further_hinge_of_an_arch_is_named(rocking):
@@ -1095,7 +1031,7 @@ STATUES = "\n".join(
 
 def test_people_see_one_block_of_80_columns_and_a_line_of_verdict(rocking, tmp_path):
     (tmp_path / "m.csv").write_text(STATUES)
-    demand = ("--a-g", "0.2g", "--f-g", "1:2")
+    demand = ("--pulse", "rectangular", "--a-g", "0.2g", "--f-g", "1:2")
     few, every = (
         rocking("check", "m.csv", *demand, *more)
         for more in (
@@ -1104,7 +1040,7 @@ def test_people_see_one_block_of_80_columns_and_a_line_of_verdict(rocking, tmp_p
         )
     )
     above, blank, *table = few.stdout.splitlines()
-    assert above.startswith("room hall; motion sine 1 cycle; demand_a 0.2 g")
+    assert above.startswith("room hall; motion rectangular; demand_a 0.2 g")
     assert (blank, max(map(len, table)) <= 80) == ("", True)
     words = (
         "structure outcome capacity_ demand first_ overturning_ uplift_ displacement"
@@ -1112,7 +1048,7 @@ def test_people_see_one_block_of_80_columns_and_a_line_of_verdict(rocking, tmp_p
     assert set(words.split()) <= set(" ".join(table[:-3]).split())
     assert [line.split()[1] for line in table[-3:]] == ["0", "1", "2"]
     verdict, *others = few.stderr.splitlines()
-    assert verdict == "1 of 3 overturn: Statue 0"
+    assert verdict == "2 of 3 overturn: Statue 0, Statue 1"
     assert all(line.startswith("worst at the ") for line in others)
     assert len(others) <= 1
     assert "outcome_linear" in every.stdout
