@@ -145,6 +145,7 @@ def undrawn(monkeypatch: pytest.MonkeyPatch) -> None:
 
     pytest.importorskip("matplotlib")
     monkeypatch.setattr("matplotlib.figure.Figure.savefig", saved)
+    monkeypatch.setattr("rocking_cli.reports.figures.canvas._arrange", lambda *_: None)
 
 
 @pytest.fixture(scope="session")

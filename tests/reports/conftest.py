@@ -11,8 +11,11 @@ from rocking_cli.reports.drawing_files import draw
 
 @pytest.fixture
 def figures(monkeypatch):
-    """The figures that would be saved, in order."""
+    """The figures that would be saved, in order; their axes are not yet arranged,
+    which takes as long as all the rest.
+    """
     saved = []
+    monkeypatch.setattr("rocking_cli.reports.figures.canvas._arrange", lambda *_: None)
     monkeypatch.setattr(
         Figure, "savefig", lambda figure, target, **_: saved.append(figure)
     )

@@ -70,7 +70,8 @@ def test_forces_stand_between_the_response_and_its_motion(drawn, table):
     source, rows = table(
         "response", "configs/block.yaml", "--A", "2", "--Omega", "4", "--forces"
     )
-    axes, between, below = drawn(source).axes
+    figure = drawn(source)
+    axes, between, below = figure.axes
     assert len(axes.get_lines()) == 1
     for line, name in zip(between.get_lines(), ("fx_ratio", "fz_ratio"), strict=True):
         t, force = line.get_data()
@@ -84,6 +85,7 @@ def test_forces_stand_between_the_response_and_its_motion(drawn, table):
         "$F_x/mg$",
         "$F_z/mg$",
     ]
+    figure.get_layout_engine().execute(figure)
     for panel in (axes, between, below):  # no label runs into the panel beside it
         label = panel.yaxis.label.get_window_extent()
         assert panel.get_window_extent().height > label.height
@@ -409,6 +411,8 @@ def test_the_least_amplitude_of_an_envelope_is_drawn_for_each_frequency_over_a_q
         "f_g=1:2:2",
         "--a-max",
         "4",
+        "--pulse",
+        "rectangular",
         "--vary",
         "width=0.3:0.5:3",
         "--vary",

@@ -56,14 +56,15 @@ def test_structures_have_a_panel_each_in_g_and_hz(drawn, table):
         "configs/block.yaml",
         "configs/spire.yaml",
         "--grid",
-        "f_g=0.5:1:3",
+        "f_g=0.5:1:2",
+        "--pulse",
+        "rectangular",
         "--a-max",
         "6",
     )
     figure = drawn(source)
     assert [axes.get_title() for axes in figure.axes] == [
-        f"{name}\none cycle of a sine, nonlinear equation"
-        for name in ("Column", "Spire")
+        f"{name}\nrectangular, nonlinear equation" for name in ("Column", "Spire")
     ]
     assert {(axes.get_xlabel(), axes.get_ylabel()) for axes in figure.axes} == {
         ("$f_g$ [Hz]", "$a_g$ [g]")
@@ -108,7 +109,7 @@ def test_both_equations_have_a_panel_each(drawn, table):
         "--model",
         "both",
         "--a-max",
-        "4",
+        "2",
     )
     assert [axes.get_title() for axes in drawn(source).axes] == [
         f"Column\none cycle of a sine, 1 Hz, {model} equation"

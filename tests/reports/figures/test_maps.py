@@ -32,6 +32,7 @@ def figure(spectrum_file, tmp_path_factory):
         patch.setattr(
             Figure, "savefig", lambda figure, target, **_: saved.append(figure)
         )
+        patch.setattr("rocking_cli.reports.figures.canvas._arrange", lambda *_: None)
         draw(spectrum_file, tmp_path_factory.mktemp("map") / "map.png")
     return saved[0]
 
