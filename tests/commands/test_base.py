@@ -33,7 +33,7 @@ def test_a_body_that_slides_does_not_overturn(rocking):
     assert "0 of 1 overturn" in done.stderr
 
 
-@pytest.mark.parametrize(("limit", "code"), [("8 cm", 0), ("70mm", 5), ("0.01 mm", 5)])
+@pytest.mark.parametrize(("limit", "code"), [("8 cm", 0), ("70mm", 5)])
 def test_a_slide_beyond_its_limit_fails(rocking, limit, code):
     call = ("check", SLIDER, *RECORD, "--verdict-only", "--fail-on", f"slide={limit}")
     assert rocking(*call).returncode == code
@@ -109,15 +109,6 @@ def test_a_spectrum_of_a_body_that_slides(rocking, tmp_path):
         assert slide[0, 1] == pytest.approx(slide[0, 0] / 4.0, rel=1e-12)
         assert (slide[1] != slide[1]).all()
         assert set(file["outcome"][1].ravel().tolist()) & {2, 4}
-
-
-@pytest.mark.slow
-def test_the_boundary_of_friction_is_lambda(rocking):
-    demand = ("--pulse", "rectangular", "--a-g", "0.4g", "--T-g", "0.5")
-    call = ("solve", "block:0.5x2", *demand, "--json")
-    row = rocking(*call, "--vary", "friction=0.2499:0.2501:2").record
-    assert row["side"] == "stands below"
-    assert row["value"] == 0.249999
 
 
 def test_solve_says_that_a_sliding_body_counts_as_standing(rocking):
@@ -268,7 +259,7 @@ def test_draws_below_lambda_slide_and_stand(rocking):
     """Half of the draws of a friction around lambda slide, the others overturn."""
     body = "block:0.5x2,friction=0.25 +- 0.03"
     call = ("check", body, "--a-g", "0.45g", "--f-g", "1", "--verdict-only", "--json")
-    assert rocking(*call, "--draws", "64").record["share_falls"] == 0.5
+    assert rocking(*call, "--draws", "16").record["share_falls"] == 0.5
     call = ("fragility", body, "--pulses", "configs/motions/site_pulses.csv")
     done = rocking(*call, "--levels", "1g:2g:2", "--limit", "slide=1cm", "--draws", "4")
     assert done.returncode == 2

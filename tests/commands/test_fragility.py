@@ -8,6 +8,7 @@ import re
 import numpy as np
 import pytest
 from matplotlib.figure import Figure
+from support.soak import quick
 
 from rocking_cli.reports.figures.fragility_curves import (
     MEASURE_LABELS,
@@ -22,7 +23,7 @@ SITE = (
     "--levels",
     "0.2g:0.45g:4",
     "--bootstrap",
-    "50",
+    "8",
 )
 # which only the linear equation knows: it is quicker
 STATED = "parameters:name=Stated,p=2.67,alpha=0.245,eta=0.9,lambda=0.25"
@@ -165,7 +166,7 @@ def test_a_vertical_motion_moves_the_curves(rocking, tmp_path):
         "few.csv",
         *SITE[2:],
         "--method",
-        "stripes,first",
+        "stripes",
         "--limit",
         "overturning",
         "--csv",
@@ -174,11 +175,8 @@ def test_a_vertical_motion_moves_the_curves(rocking, tmp_path):
         rocking(*call, *more)
         for more in ((), ("--vertical", "sine", "--vertical-scale", "0.8"))
     ]
-    flat, both = ([float(row["median"]) for row in one.rows] for one in done)
-    assert len(flat) == len(both) == 2, done[1].stderr
-    assert all(
-        a < b for a, b in zip(flat, both, strict=True)
-    )  # heavier while it is pushed, it takes more
+    flat, both = (float(one.rows[0]["median"]) for one in done)
+    assert flat < both  # heavier while it is pushed, it takes more
 
 
 @pytest.mark.parametrize(
@@ -280,7 +278,7 @@ def test_a_table_has_the_unit_of_the_levels_if_nothing_else_is_asked_for(
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("how", [(), ("--exact",)], ids=["cells", "exact"])
+@pytest.mark.parametrize("how", quick([(), ("--exact",)], ()), ids=["cells", "exact"])
 def test_the_measure_that_explains_most_comes_first(rocking, how):
     rows = rocking("fragility", STATED, *SITE, "--efficiency", *how, "--json").records
     assert {r["im"] for r in rows} == {
@@ -496,9 +494,7 @@ def test_a_negative_scale_reverses_site_pulses(rocking, tmp_path):
 @pytest.mark.parametrize(
     ("im", "levels", "units", "unit", "factor"),
     [
-        ("PGA", "0.2g:0.45g:4", (), "m/s2", 1.0),
         ("PGA", "0.2g:0.45g:4", ("--units", "g"), "g", 9.81),
-        ("PGV", "0.5:1.5:4", ("--units", "cm/s"), "cm/s", 0.01),
         ("nPGA", "0.8:2:4", ("--units", "g"), "", 1.0),
     ],
 )
@@ -541,7 +537,7 @@ def test_the_abscissa_of_a_curve_and_the_median_state_their_unit(
     assert median in rocking(*call, "--csv", *units).stdout.splitlines()[0].split(",")
 
 
-@pytest.mark.parametrize("units", [(), ("--units", "g,cm")])
+@pytest.mark.parametrize("units", quick([(), ("--units", "g,cm")], ("--units", "g,cm")))
 def test_every_measure_of_an_efficiency_has_its_median_and_its_unit(rocking, units):
     call = (
         "fragility",
@@ -574,13 +570,12 @@ def test_the_structures_of_a_class_have_one_curve(rocking, tmp_path):
         "kind,name,stone,width,height\n"
         "block,A,tuff,0.5,2\nblock,B,marble,0.5,2\nblock,C,marble,0.56,2\n"
     )
-    call = ("fragility", "t.csv", *SITE, "--limit", "0.5", "--model", "linear")
+    call = ("fragility", "t.csv", *SITE[:-1], "0", "--limit", "0.5")
+    call += ("--model", "linear")
     a, b, c = rocking(*call, "--json").records
     tuff, marble = rocking(*call, "--by", "stone", "--json").records
     assert (tuff["structure"], marble["structure"]) == ("tuff", "marble")
-    assert [tuff[key] for key in ("median", "beta", "beta_high")] == [
-        a[key] for key in ("median", "beta", "beta_high")
-    ]
+    assert [tuff[key] for key in ("median", "beta")] == [a["median"], a["beta"]]
     assert b["median"] < marble["median"] < c["median"]
     refused = rocking(*call, "--by", "stane")
     assert (refused.returncode, refused.stdout) == (2, "")

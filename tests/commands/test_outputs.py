@@ -75,6 +75,8 @@ NEEDING = [
 WRITING = [
     (f"check block:0.5x2 {SHAKEN} -o", ".png"),
     ("draw block:0.5x2 -o", ".svg"),
+    (f"response block:0.5x2 {SHAKEN} -o", ".svg"),
+    (f"compare block:0.5x2 {SHAKEN} -o", ".svg"),
     ("plot - -o", ".pdf"),
     ("plot - --animate", ".gif"),
     (f"report block:0.5x2 {SHAKEN} -o", ".html"),
@@ -214,7 +216,6 @@ def other_name(tmp_path):
     ("call", "output"),
     [
         ("draw NAME -o OUT", "d.svg"),
-        (f"check NAME {SHAKEN} -o OUT", "c.svg"),
         (f"report NAME {SHAKEN} -o OUT", "r.html"),
         ("spectrum NAME --grid a_g=1:2:2,f_g=1:2:2 -o OUT", "s.h5"),
     ],

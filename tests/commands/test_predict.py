@@ -9,7 +9,7 @@ TWO = ("block:0.5x2,name=One,restitution=0.9", "spire:1.5x12,name=Two,restitutio
 def test_prediction_is_the_computed_response_and_states_how_far_the_spectrum_is_off(
     rocking, spectrum_file
 ):
-    for shaking in (("--a-g", "0.55g", "--f-g", "1.5"), ("--A", "7.5", "--Omega", "2")):
+    for shaking in (("--a-g", "0.55g", "--f-g", "1.5"),):
         call = ("predict", str(spectrum_file), *TWO, *shaking, "--json")
         beside, exact = (
             rocking(*call, *how).records for how in ((), ("--beyond-range",))
@@ -81,7 +81,7 @@ def test_a_negative_amplitude_reverses_the_motion_of_the_spectrum(rocking, tmp_p
     """The linear rotation is that of DOP853 with events at the impacts and at theta' =
     0, rtol 1e-12.
     """
-    at = ("--grid", "A=1:3:9,Omega=2:6:9", "-o", "u.h5")
+    at = ("--grid", "A=1:3:3,Omega=2:6:3", "-o", "u.h5")
     sides = {
         "u.yaml": "left: 0.3\nright: 0.5",
         "m.yaml": "left: 0.5\nright: 0.3",
@@ -93,11 +93,7 @@ def test_a_negative_amplitude_reverses_the_motion_of_the_spectrum(rocking, tmp_p
     rocking("spectrum", "u.yaml", *at)
     for file, stands in (("u.yaml", "-0.3g"), ("m.yaml", "0.3g")):
         for a_g in ("0.3g", "-0.3g"):
-            for how in (
-                ((), ("--beyond-range",))
-                if file == "u.yaml"
-                else (("--beyond-range",),)
-            ):
+            for how in ((),) if file == "u.yaml" else (("--beyond-range",),):
                 done = rocking(
                     "predict",
                     "u.h5",

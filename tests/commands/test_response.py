@@ -133,7 +133,7 @@ def test_own_motion_in_every_command(rocking, tmp_path):
     )
     assert (
         rocking(
-            "envelope", "configs/block.yaml", *own, "--grid", "T_g=1", "--a-max", "6"
+            "envelope", "configs/parameters.yaml", *own, "--grid", "T_g=1"
         ).stdout.count("after_impact")
         > 0
     )
@@ -143,7 +143,7 @@ def test_own_motion_in_every_command(rocking, tmp_path):
             "configs/block.yaml",
             *own,
             "--grid",
-            "a_g=1:8:8,T_g=0.5:2:8",
+            "a_g=1:8:2,T_g=0.5:2:2",
             "-o",
             "own.h5",
         ).returncode

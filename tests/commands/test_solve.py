@@ -324,8 +324,9 @@ def test_csv_states_the_unit_of_the_value(rocking, judged):
 @pytest.mark.slow
 def test_a_body_that_slides_has_no_capacity_and_no_range_of_frequencies(rocking):
     """Below lambda, 0.25, the block slides, and nothing overturns it."""
-    call = ("solve", "block:0.5x2", "--vary", "friction=0.2:0.3:2", "--a-g", "0.4g")
-    done = rocking(*call, "--f-g", "1", "--pulse", "rectangular", "--json")
+    call = ("solve", "block:0.5x2", "--vary", "friction=0.2499:0.2501:2")
+    call += ("--a-g", "0.4g", "--pulse", "rectangular")
+    done = rocking(*call, "--T-g", "0.5", "--json")
     row = done.record
     assert (row["side"], row["capacity_demand"]) == ("stands below", None)
     assert row["value"] == 0.249999

@@ -40,10 +40,12 @@ def test_arguments_become_the_options_of_the_command(command, text, said):
     assert in_options(text, found) == said
 
 
-@pytest.mark.slow
 def test_no_sentence_of_the_library_names_an_option():
     for path in PACKAGE.rglob("*.py"):
-        tree = ast.parse(path.read_text(encoding="utf-8"))
+        text = path.read_text(encoding="utf-8")
+        if path.parent.name == "commands" or not re.search(r"--[a-z]", text):
+            continue
+        tree = ast.parse(text)
         explained = {
             id(node.value) for node in ast.walk(tree) if isinstance(node, ast.Expr)
         }
@@ -54,7 +56,4 @@ def test_no_sentence_of_the_library_names_an_option():
             and isinstance(n.value, str)
             and id(n) not in explained
         ]
-        assert (
-            path.parent.name == "commands"
-            or [text for text in said if re.search(r"--[a-z]", text)] == []
-        ), path
+        assert [text for text in said if re.search(r"--[a-z]", text)] == [], path
