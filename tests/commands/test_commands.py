@@ -200,18 +200,15 @@ def loaded(arguments: str, folder: Path) -> dict[str, str]:
                 WATCH,
             ],
         ),
-        (
-            (
-                "spectrum block:0.5x2 --model nonlinear --grid a_g=0.1g:1g:3,f_g=1:5:3"
-                " -o OUT"
-            ),
+        pytest.param(
+            "spectrum block:0.5x2 --model nonlinear --grid a_g=0.1g:1g:3,f_g=1:5:3"
+            " -o OUT",
             ["scipy", "yaml", RECORDS, ARCH],
+            marks=pytest.mark.soak,
         ),
         (
-            (
-                f"spectrum block:0.5x2 --model nonlinear --motion {RECORD} --grid"
-                " a_g=0.1g:0.5g:3 -o OUT"
-            ),
+            f"spectrum block:0.5x2 --model nonlinear --motion {RECORD} --grid"
+            " a_g=0.1g:0.5g:3 -o OUT",
             ["scipy", ARCH],
         ),
         ("response block:0.5x2 --a-g 0.3g --f-g 1 --events", ["h5py", "yaml"]),
@@ -254,7 +251,11 @@ def code_tokens(file: Path) -> int:
     ("arguments", "most"),
     [
         ("check configs/block.yaml --a-g 0.35g --f-g 1.5", 150_000),
-        ("spectrum --eta 0.9 --grid A=1:2:2,Omega=1:2:2 -q -o OUT", 114_000),
+        pytest.param(
+            "spectrum --eta 0.9 --grid A=1:2:2,Omega=1:2:2 -q -o OUT",
+            114_000,
+            marks=pytest.mark.soak,
+        ),
     ],
     ids=["check", "spectrum"],
 )

@@ -3,6 +3,7 @@
 import re
 
 import pytest
+from support.soak import quick
 
 WALL = "block:0.62+-0.01x2"
 DEMAND = ("--a-g", "0.4g", "--f-g", "1")
@@ -29,7 +30,7 @@ def test_a_document_may_come_through_a_pipe(rocking):
     assert len(done.rows) == 5
 
 
-@pytest.mark.parametrize("workers", ["1", "2"])
+@pytest.mark.parametrize("workers", quick(["1", "2"], "1"))
 def test_check_gives_the_share_that_falls(rocking, workers):
     calls = ("check", WALL, "block:0.7x2", *DEMAND, "--draws", "256")
     done = rocking(*calls, "--verdict-only", "--workers", workers, "--json")

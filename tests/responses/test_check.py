@@ -141,7 +141,7 @@ def test_forces_under_a_record_are_those_of_its_history(a_g, falls, at_lambda):
         motion_of_samples([0.0, 0.5, 0.6, -1.0, -0.7, 0.4, 0.0], 0.2),
     )
     demand, method = parse_grid(f"a_g={a_g},omega_g=1"), governing_method(structure)
-    verdict = check(structure, motion, demand, a_max=1.01)
+    verdict = check(structure, motion, demand, a_max=None)
     shown = (
         time_history(structure, motion, demand, [method]).forces[method.model].extremes
     )
@@ -297,7 +297,7 @@ def test_a_demand_that_the_last_digits_decide_is_called_so(searched, monkeypatch
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("text", "a_g", "opens"),
-    [("voussoirs: 15", 0.39, True), ("voussoirs: 15", 0.2, False), ("", 0.39, True)],
+    [("voussoirs: 15", 0.2, False), ("", 0.39, True)],
 )
 def test_a_check_of_an_arch_says_whether_a_further_hinge_opens(text, a_g, opens):
     """As the search over joints and time does; 0.2 g does not lift the arch."""

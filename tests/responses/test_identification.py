@@ -213,7 +213,7 @@ def test_an_acceleration_along_the_axis_tells_times_of_impacts():
 
 
 def test_two_sides_are_found_and_told():
-    trace, *_ = measured(0.025, left=0.05, seed=4)
+    trace, *_ = measured(0.025, left=0.05, seed=4, duration=6.0)
     found = identify(trace, BLOCK, two_sides=True)[0]
     assert found.row["inset_right"] == pytest.approx(0.025, abs=0.0015)
     assert found.row["inset_left"] == pytest.approx(0.05, abs=0.0015)
