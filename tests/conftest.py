@@ -86,7 +86,7 @@ def rocking(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Run:
                 progress, "_FIRST", 1e6
             )  # what is said to be long depends on the load
             if arguments[:1] == ("report",):  # maps of few cells
-                patch.setattr("rocking_cli.reports.page_sections.SIDE", 10)
+                patch.setattr("rocking_cli.reports.page_sections.SIDE", 4)
             # workers that nobody asked for take longer to start than to work
             patch.setattr("rocking_cli.processes.available_cpus", lambda: 1)
             patch.setattr(sys, "argv", ["rocking", *arguments])

@@ -14,6 +14,8 @@ from rocking_cli.commands import COMMANDS, cli, shipped_cases
 from rocking_cli.commands.help import TOPICS, page
 
 PAGES = [name for name in (*COMMANDS, *TOPICS) if page(name)]
+# those that show what a command prints
+SHOWING = [name for name in PAGES if any(x[1] for x in SHOWN.findall(page(name)))]
 
 
 def test_all_are_listed(rocking):
@@ -114,6 +116,7 @@ def two_cases(monkeypatch):
         pytest.param(name, count, marks=marks)
         for name in dict.fromkeys((*COMMANDS, *PAGES))
         for count, marks in ((1, ()), (None, pytest.mark.soak))
+        if count is None or name not in SHOWING
     ],
 )
 def test_examples_and_pages_run_in_order_anywhere(rocking, tmp_path, name, count):
@@ -126,9 +129,7 @@ def test_examples_and_pages_run_in_order_anywhere(rocking, tmp_path, name, count
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    "name", [name for name in PAGES if any(x[1] for x in SHOWN.findall(page(name)))]
-)
+@pytest.mark.parametrize("name", SHOWING)
 def test_a_page_shows_what_its_first_example_prints(rocking, tmp_path, name):
     anew = "python tests/support/shown_commands.py writes it anew"
     assert page_written(page(name), rocking, tmp_path) == page(name), anew

@@ -99,7 +99,7 @@ def subject(text: str) -> Subject:
 @pytest.fixture(scope="module", autouse=True)
 def coarse_maps():
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("rocking_cli.reports.page_sections.SIDE", 10)
+        patch.setattr("rocking_cli.reports.page_sections.SIDE", 4)
         yield
 
 

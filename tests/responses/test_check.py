@@ -313,15 +313,21 @@ def test_a_check_of_an_arch_says_whether_a_further_hinge_opens(text, a_g, opens)
     )
 
 
+@pytest.fixture
+def few_are_many(monkeypatch):
+    """Four demands are marched together on arrays."""
+    monkeypatch.setattr("rocking_cli.responses.check._MANY", 4)
+
+
+@pytest.mark.usefixtures("few_are_many")
 def test_many_bodies_are_judged_together_as_each_alone():
     """On arrays, within the tolerance of what each is on floats."""
     random = np.random.default_rng(11)
     texts = [
         f"kind: block\nwidth: {random.uniform(0.3, 1.2)}\nheight: 3\n{more}"
         for more in ("", "damping: 0.04", "damping: 0.07", "one_sided: true", "")
-        for _ in range(2)
     ]
-    samples = noise(240, 0.01, seed=3)
+    samples = noise(120, 0.01, seed=3)
     record = motion_of_samples(3.5 * samples / np.abs(samples).max(), 0.01)
     shaken = (sine(), parse_grid("a_g=0.3g,f_g=0.8")), demand_of(record, None)
     demands = [(built(text), *one) for text in texts for one in shaken]
@@ -339,10 +345,11 @@ def test_many_bodies_are_judged_together_as_each_alone():
     assert len({one.outcome for one in together}) > 2
 
 
+@pytest.mark.usefixtures("few_are_many")
 def test_the_top_of_a_block_is_displaced_by_its_rotation_without_its_forces():
     demands = [
         (built(f"kind: block\nwidth: {width}\nheight: 3"), sine(), DEMAND)
-        for width in np.linspace(0.4, 1.4, 25)
+        for width in np.linspace(0.4, 1.4, 7)
     ]
     whole = verdicts(demands, a_max=None, workers=1)
     fewer = verdicts(demands, a_max=None, workers=1, forces=False)
