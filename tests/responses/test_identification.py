@@ -85,7 +85,7 @@ def measured(
     slope=0.0,
     scatter=0.01,
     noise=0.005,
-    rate=200.0,
+    rate=100.0,
     duration=9.0,
     seed=1,
     left=None,
@@ -321,11 +321,11 @@ def forced(trace, _):
 
 REFUSED = {
     "1 impact": (
-        lambda trace, _: Trace("trace", "theta", trace.t[:500], trace.y[:500]),
+        lambda trace, _: Trace("trace", "theta", trace.t[:250], trace.y[:250]),
         r"trace: [01] impacts? with a whole half-cycle after (it|them); 3 are needed",
     ),
     "few samples": (
-        lambda trace, _: Trace("trace", "theta", trace.t[::30], trace.y[::30]),
+        lambda trace, _: Trace("trace", "theta", trace.t[::15], trace.y[::15]),
         r"half-cycle \d has \d samples; 8 are needed: sample faster than \d+",
     ),
     "no zero": (
@@ -415,7 +415,7 @@ def test_the_intervals_hold_the_truth_in_their_share_of_200_traces():
     errors: dict[str, list[tuple[float, bool]]] = {}
     for seed in range(200):
         inset = 0.075 * np.random.default_rng(10_000 + seed).uniform()
-        trace, motion_, right = measured(inset, seed=seed)
+        trace, motion_, right = measured(inset, seed=seed, rate=200.0)
         sized, free = identify(trace, BLOCK)[0], identify(trace)[0]
         truth = {"inset": inset, "alpha": right.alpha, "p": right.p, "eta": 0.91}
         for key, of in (("inset", sized), ("eta", sized), ("alpha", free), ("p", free)):
