@@ -160,13 +160,6 @@ def test_a_row_a_structure_and_record(rocking, tmp_path):
     assert first["theta_ratio"] == pytest.approx(second["theta_ratio"], rel=1e-12)
 
 
-def test_pipelines_can_fail_on_overturning(rocking):
-    call = ("check", STATED, "--f-g", "1.2", "--verdict-only", "-q", "--a-g")
-    assert rocking(*call, "0.5g").returncode == 0
-    for a_g, code in (("0.5g", 5), ("0.1g", 0)):
-        assert rocking(*call, a_g, "--fail-on", "overturning").returncode == code
-
-
 def test_a_body_that_leaves_the_ground_does_not_pass_and_linear_is_wrong_of_it(rocking):
     call = (
         "check",

@@ -25,13 +25,6 @@ def test_standard_input_is_drawn(rocking, tmp_path):
 
 
 @pytest.mark.usefixtures("undrawn")
-def test_a_shipped_record_is_found_where_there_is_no_folder_configs(rocking, tmp_path):
-    (tmp_path / "configs").unlink()
-    done = rocking("plot", "configs/motions/synthetic.at2", "-o", "record.svg")
-    assert (done.returncode, done.stderr) == (0, "")
-
-
-@pytest.mark.usefixtures("undrawn")
 def test_a_slice_says_which_value_it_took(rocking, spectrum_file):
     done = rocking(
         "plot", str(spectrum_file), "--slice", "Omega=5.003", "-o", "slice.png"

@@ -10,7 +10,6 @@ import subprocess
 import h5py
 import numpy as np
 import pytest
-from support.documents import same_file
 from support.watched_processes import PATIENCE, PROGRAM, grows
 
 from rocking_cli import (
@@ -80,35 +79,6 @@ def test_quantities_on_request_are_variables_of_the_file(rocking, tmp_path):
     assert [row["condition"] for row in rows] == [
         None if np.isnan(x) else x for x in condition
     ]
-
-
-def test_pipeline_from_params(rocking, tmp_path):
-    records = rocking(
-        "params", "configs/block.yaml", "configs/spire.yaml", "--json"
-    ).stdout
-    assert (
-        rocking(
-            "spectrum",
-            "-",
-            "--grid",
-            "a_g=0.1g:1g:20,f_g=0.5:3:10",
-            "-o",
-            "a.h5",
-            stdin=records,
-        ).returncode
-        == 0
-    )
-    direct = rocking(
-        "spectrum",
-        "configs/block.yaml",
-        "configs/spire.yaml",
-        "--grid",
-        "a_g=0.1g:1g:20,f_g=0.5:3:10",
-        "-o",
-        "b.h5",
-    )
-    assert direct.returncode == 0
-    same_file(tmp_path / "a.h5", tmp_path / "b.h5")
 
 
 @pytest.mark.soak
