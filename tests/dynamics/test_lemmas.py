@@ -125,12 +125,12 @@ def test_lemma_7_a_summed_sequence_ends_before_anything_else_happens(
             else ramp(random)
         )
         system = System(equation, contact, scale=0.3)
-        amplitude, omega = random.uniform(0.85, 1.5, 12), random.uniform(0.5, 6.0, 12)
+        amplitude, omega = random.uniform(0.85, 1.5, 6), random.uniform(0.5, 6.0, 6)
         summed = response(system, motion, amplitude, omega, eta)
         closed += summed.work.sequences_closed
         run = Run(
             Batch.of(system, system.segments(motion), amplitude, omega),
-            12,
+            amplitude.size,
         )
         run.proofs = [proof for proof in run.proofs if proof.still]
         with monkeypatch.context() as patch:

@@ -18,7 +18,6 @@ from rocking_cli.responses.history import history, quarter_period
 
 ARCHES = {
     "oppenheim": "radius: 10 m\nthickness: 1.5 m\nangle: 157.5 deg\nvoussoirs: 7",
-    "continuous": "radius: 10 m\nthickness: 1.5 m\nangle: 157.5 deg",
     "thick": "radius: 10 m\nthickness: 2.5 m\nangle: 150 deg",
     "barely stands": "radius: 10 m\nthickness: 1.09 m\nangle: 180 deg",
 }
@@ -59,7 +58,7 @@ def test_tables_are_the_linkage_to_rounding(arch):
     )
 
 
-@pytest.mark.parametrize("start", [0.1, 0.5, 0.9])
+@pytest.mark.parametrize("start", [0.1, 0.9])
 def test_free_quarter_period_equals_the_quadrature(arch, start):
     """T/4 = integral of sqrt(M) dphi / sqrt(2 g int L dphi), with the singularity taken
     out by phi = phi0 - u^2.
@@ -217,7 +216,7 @@ def test_an_arch_that_barely_moves_is_its_linear_oscillator_to_first_order_in_al
 
 @pytest.mark.parametrize(
     ("thickness", "angle"),
-    [(0.8, 100), (0.795, 100), (0.801, 101), (2.0, 140), (0.5, 90)],
+    [(0.795, 100), (2.0, 140)],
 )
 def test_ordinary_arches_have_a_nonlinear_model(thickness, angle):
     arch = built(

@@ -14,7 +14,7 @@ from rocking_cli.motions import Harmonic, Motion, Piece
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("n", [6, pytest.param(200, marks=pytest.mark.soak)])
+@pytest.mark.parametrize("n", [4, pytest.param(200, marks=pytest.mark.soak)])
 @pytest.mark.parametrize(
     ("motion", "most"),
     [(sine(), 12), (cosine(1.5), 5)],
