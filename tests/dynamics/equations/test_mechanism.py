@@ -99,12 +99,11 @@ def test_oppenheims_arch_rocks_slower_than_its_linear_oscillator(oppenheim):
     assert ratios == pytest.approx([1.0737, 1.0622, 1.0441], abs=2e-4)
 
 
-@pytest.mark.parametrize("damping", [0.0, 0.1])
 @pytest.mark.parametrize(
-    ("motion", "times"),
+    ("motion", "times", "damping"),
     [
-        (pulse("rectangular-impulse"), [0.42, 0.45, 0.5, 0.55]),
-        (cosine(), [0.03, 0.06, 0.09, 0.12]),
+        (pulse("rectangular-impulse"), [0.42, 0.45, 0.5, 0.55], 0.1),
+        (cosine(), [0.03, 0.06, 0.09, 0.12], 0.0),
     ],
 )
 def test_first_arc_is_the_paper_s_equation(oppenheim, motion, times, damping):
