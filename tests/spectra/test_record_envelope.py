@@ -113,9 +113,7 @@ def test_signs_of_unequal_sides():
     }
     turned = structures_scene([body], [Recording(TWO[0].record, -1.0)])
     (other,) = tracing_rows(Tracing(turned, 2.1, first=True), sign="+", workers=1)
-    (worse,) = tracing_rows(tracing, workers=1)
     assert other["A_from"] == pytest.approx(by_sign[-1], rel=1e-14)
-    assert worse["A_from"] == min(by_sign.values())
 
 
 def test_a_body_that_the_limit_does_not_lift():
