@@ -135,13 +135,9 @@ def test_a_wrong_proof_is_found_by_the_cells_that_it_decides(
     assert right.summary.misjudged == 0 < found.summary.misjudged
 
 
-@pytest.mark.parametrize(
-    ("chunk", "workers"),
-    [((7, 60), 2), pytest.param((5, 13), 1, marks=pytest.mark.soak)],
-)
-def test_the_same_cells_are_checked_however_a_sweep_is_cut(chunk, workers):
+def test_the_same_cells_are_checked_however_a_sweep_is_cut():
     scene = PulseScene(OSCILLATORS, GRID, sine())
-    verification = checked(scene, 6, chunk, workers=workers)
+    verification = checked(scene, 6, (7, 60), workers=2)
     assert list(verification.answers) == list(checked(scene, 6).answers)
     whole = spectrum(OSCILLATORS, sine(), GRID, check=6).summary
     found = verification.compared()
