@@ -131,7 +131,7 @@ def test_nothing_overturns_where_it_is_excluded(sign):
     march = SharedMarch(motion, bodies, [NONLINEAR] * 4)
     which, omega = (x.ravel() for x in np.meshgrid(range(4), omegas))
     uplift = np.array([one.least_uplift(motion) for one in march.systems])[which]
-    high = np.full(omega.size, 6.0)
+    high = np.full(omega.size, 3.0)
     reach = proved_to(march, which, omega, uplift, high)
     assert np.mean(reach[omega > 3.0] > 1.2 * uplift[omega > 3.0]) > 0.6
     # also above the amplitudes up to which any body keeps contact

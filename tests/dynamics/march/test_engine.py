@@ -79,8 +79,8 @@ def test_random_cells_equal_an_independent_integration(n):
 @pytest.mark.parametrize(
     ("motion", "largest"),
     [
-        (sine(0.5), 12),
-        (sine(6), 4),
+        pytest.param(sine(0.5), 12, marks=pytest.mark.soak),
+        pytest.param(sine(6), 4, marks=pytest.mark.soak),
         (cosine(2.5), 3),
         (LADDER, 6),
         (MIXED, 4),
@@ -237,11 +237,11 @@ print(resource.getrusage(resource.RUSAGE_SELF).ru_minflt - before)
 """
 
 
-@pytest.mark.slow
+@pytest.mark.soak
 @pytest.mark.skipif(platform.libc_ver()[0] != "glibc", reason="another C library")
 @pytest.mark.parametrize(
     "asked",
-    [{}, pytest.param({"MALLOC_TRIM_THRESHOLD_": "65536"}, marks=pytest.mark.soak)],
+    [{}, {"MALLOC_TRIM_THRESHOLD_": "65536"}],
 )
 def test_a_march_faults_in_no_memory_that_it_had_before(asked):
     done = subprocess.run(

@@ -42,9 +42,9 @@ MODELS = {"linear": "the oscillator", "nonlinear": "a body"}
 @pytest.mark.parametrize(
     ("model", "record", "part", "count", "etas"),
     [
-        ("linear", 1, slice(None), 9, (0.5, 0.9, 0.0)),
-        ("linear", 0, slice(None), 3, (1.0,)),
-        ("nonlinear", 2, slice(35, 70), 10, (0.7,)),
+        ("linear", 1, slice(None), 6, (0.5, 0.9, 0.0)),
+        pytest.param("linear", 0, slice(None), 3, (1.0,), marks=pytest.mark.soak),
+        ("nonlinear", 2, slice(35, 70), 6, (0.7,)),
         *(
             pytest.param("linear", n, slice(None), 1000, eta, marks=pytest.mark.soak)
             for n in range(3)
@@ -117,7 +117,7 @@ def against_the_march(name, motion, long, count, seed):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", quick(SYSTEMS, *QUICK[1:]))
+@pytest.mark.parametrize("name", quick(SYSTEMS, *QUICK[1:3]))
 def test_the_same_as_the_march_by_long_series(name):
     motion = (
         motion_of_samples(RECORDS[1], 0.03)
@@ -205,7 +205,6 @@ def test_a_body_that_is_just_lifted_at_a_sample(alpha):
 @pytest.mark.parametrize(
     ("lifts", "falls", "outcome"),
     [
-        (0.1, 1.0, "lost_contact"),
         (2.1, 1.0, "lost_contact"),
         (0.1, 3.6, "overturned_no_impact"),
     ],

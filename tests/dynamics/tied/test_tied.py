@@ -484,8 +484,8 @@ def test_bouncing_that_is_summed_ends_as_it_does_impact_by_impact(monkeypatch):
     body = built(BLOCK + TENDON)
     system = Method("nonlinear").system_of(body)
     cells = (
-        system.least_uplift(sine()) * np.array([1.02, 1.8]),
-        np.array([3.0, 8.0]),
+        system.least_uplift(sine()) * np.array([1.02]),
+        np.array([3.0]),
     )
     summed = response(system, sine(), *cells, 0.6)
     monkeypatch.setattr(

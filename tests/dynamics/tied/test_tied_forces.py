@@ -225,7 +225,7 @@ def compared(seed, model):
 @pytest.mark.slow
 @pytest.mark.parametrize("model", ["linear", "nonlinear"])
 def test_random_bodies_on_ground_that_sways_upwards(model):
-    found = {compared(seed, model).flag for seed in (3, 5, 6, 7, 8)}
+    found = {compared(seed, model).flag for seed in (3, 6, 7)}
     assert {"rocked", "lost_contact"} <= found
 
 
