@@ -246,12 +246,24 @@ def test_records_keep_the_ratio_of_their_amplitudes_and_others_do_not_go_with_th
         with_vertical(one, sine(1))
 
 
-def test_the_strongest_drive_to_come_is_no_less_than_any_of_it():
-    """Of the horizontal motion, whose extremes are no ends of the common segments."""
-    found = weighed(FAST, 0.3, 0.5)
+FALLING = Motion(
+    "falling",
+    (
+        Piece(0.0, math.pi, (Harmonic(1.0, 1.0, 0.5 * math.pi),)),
+        Piece(math.pi, 6.0, (Harmonic(0.4, 1.0),)),
+    ),
+)
+
+
+@pytest.mark.parametrize("motion", [FAST, with_vertical(FALLING, sine(1.5), 0.4)])
+def test_the_strongest_drive_to_come_is_no_less_than_any_of_it(motion):
+    """Of the horizontal motion, whose extremes are no ends of the common segments; one
+    motion is strongest at its start.
+    """
+    found = weighed(motion, 0.3, 0.5)
     most, least = found.inward
     for k in range(len(found)):
-        ahead = FAST.value(np.linspace(found.start[k], FAST.duration, 3000))
+        ahead = motion.value(np.linspace(found.start[k], motion.duration, 3000))
         assert most[k] >= ahead.max() - 1e-15
         assert least[k] <= ahead.min() + 1e-15
     assert most[0] == 1.0 == -least[0]

@@ -18,6 +18,8 @@ from rocking_cli.envelopes.capacity import CapacitySearch, begun_together
 from rocking_cli.envelopes.stretches import (
     UNKNOWN,
     AmplitudeStretches,
+    _Distance,
+    _LeastPath,
     outcomes_of_stretches,
     proved_outcomes,
     proved_to,
@@ -109,6 +111,32 @@ def test_no_path_is_farther_away_than_the_bound(omega, until):
             unit = stretches.gap[i]
             assert abs(other - y) <= share * unit * path.z[i]
             assert abs(rate - v) <= share * unit * path.w[i]
+
+
+def test_after_the_shaking_all_bodies_of_a_stretch_end_as_is_said():
+    """At 25 places of wide ranges of y and y', also about the equilibrium."""
+    random, count = np.random.default_rng(3), 4000
+    system, at = NONLINEAR.system_of(COLUMN), np.arange(count)
+    ends = np.array([np.full(count, 1.1), np.full(count, 1.2)])
+    stretches = AmplitudeStretches(system, sine(), np.full(count, 4.0), ends)
+    off = _Distance(*random.uniform(0.0, 0.3, (2, count)))
+    y, v = off.y + random.uniform(0.0, 2.0, count), random.uniform(-1.5, 1.0, count)
+    few = slice(0, 400)  # as fast as those that just overturn after an impact
+    off.y[few], off.v[few] = 0.3, 0.01
+    y[few], v[few] = random.uniform([[0.7], [-0.6]], [[1.3], [-0.45]], (2, 400))
+    found = stretches._after_shaking(at, _LeastPath(y, v, y, v), off)
+    known = found != UNKNOWN
+    assert np.unique(found).size == 4
+    for up in np.linspace(-1.0, 1.0, 5):
+        for right in np.linspace(-1.0, 1.0, 5):
+            free = stretches._free(at, y + up * off.y, v + right * off.v)
+            ended = np.where(
+                free.overturns_after_impact,
+                Outcome.OVERTURNED_AFTER_IMPACT,
+                Outcome.ROCKED,
+            )
+            ended[free.overturns] = Outcome.OVERTURNED_NO_IMPACT
+            np.testing.assert_array_equal(found[known], ended[known])
 
 
 def test_an_envelope_has_the_same_intervals_without_these_proofs(monkeypatch):
