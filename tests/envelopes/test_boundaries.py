@@ -62,7 +62,12 @@ BODIES = {
 
 @pytest.mark.parametrize("name", BODIES)
 @pytest.mark.parametrize(
-    "motion", [sine(), sine(0.5), MOTIONS[-1]], ids=lambda m: m.name
+    "motion",
+    [
+        sine(0.5),
+        *(pytest.param(m, marks=pytest.mark.soak) for m in (sine(), MOTIONS[-1])),
+    ],
+    ids=lambda m: m.name,
 )
 def test_nothing_overturns_where_the_scan_does_not_look_below(motion, name):
     """And half a sine that is short overturns some bodies at half as much again."""
@@ -78,13 +83,13 @@ def test_nothing_overturns_where_the_scan_does_not_look_below(motion, name):
 @pytest.mark.parametrize("motion", MOTIONS[:6], ids=lambda m: m.name)
 def test_above_overturning_without_impact_there_is_nothing_else(motion):
     random = np.random.default_rng(10)
-    omega, eta = random.uniform(0.3, 12.0, 4000), random.uniform(0.0, 1.0, 4000)
-    amplitude = random.uniform(1.0, 30.0, 4000)
+    omega, eta = random.uniform(0.3, 12.0, 1000), random.uniform(0.0, 1.0, 1000)
+    amplitude = random.uniform(1.0, 30.0, 1000)
     over = np.flatnonzero(
         linear_response(motion, amplitude, omega, eta).outcome
         == Outcome.OVERTURNED_NO_IMPACT
     )
-    assert over.size > 500
+    assert over.size > 100
     for factor in (1.001, 1.1, 2.0, 10.0):
         above = linear_response(
             motion, factor * amplitude[over], omega[over], eta[over]
@@ -148,7 +153,7 @@ def random_search(number):
 @pytest.mark.parametrize(
     ("motion", "eta", "omegas", "least"),
     [
-        (sine(), 0.9, np.array([0.8, 2.3, 5.0, 9.1]), 4),
+        (sine(), 0.9, np.array([2.3, 5.0]), 3),
         *(
             pytest.param(
                 motion, 0.9, np.array([2.3, 5.0, 9.1]), 3, marks=pytest.mark.soak

@@ -32,13 +32,13 @@ SCANNED = {
 @pytest.mark.parametrize(
     ("name", "motion"),
     [
-        pytest.param(name, motion, marks=[pytest.mark.soak] * (i % 4 in (1, 2)))
+        pytest.param(name, motion, marks=[pytest.mark.soak] * (i != 8))
         for i, (name, motion) in enumerate(zip(NAMES, cycle(SCANNED), strict=False))
     ],
 )
 def test_a_scan_falls_as_the_march_but_next_to_boundaries(name, motion):
     (system, _), motion = SYSTEMS[name], SCANNED[motion]
-    amplitude = np.geomspace(1.01, 4.0, 36) * system.least_uplift(motion)
+    amplitude = np.geomspace(1.01, 4.0, 24) * system.least_uplift(motion)
     near = response(
         system,
         motion,
@@ -49,7 +49,7 @@ def test_a_scan_falls_as_the_march_but_next_to_boundaries(name, motion):
     falls = ~safe(near.outcome)
     settled = falls.all(axis=0) | ~falls.any(axis=0)
     found = ~safe(Scan(system, motion, 0.4).outcomes(amplitude))
-    assert 1 < falls[1].sum() < 18
+    assert 1 < falls[1].sum() < 12
     assert np.count_nonzero((found != falls[1])[settled]) <= 1
 
 
@@ -98,7 +98,7 @@ def test_a_scan_ends_where_a_sample_just_reaches_the_uplift(name):
     "name",
     [
         "the oscillator",
-        "a damped body of unlike edges",
+        pytest.param("a damped body of unlike edges", marks=pytest.mark.soak),
         pytest.param("a body", marks=pytest.mark.soak),
         pytest.param("a body on one side", marks=pytest.mark.soak),
     ],
@@ -106,7 +106,7 @@ def test_a_scan_ends_where_a_sample_just_reaches_the_uplift(name):
 def test_a_close_scan_has_the_outcomes_of_the_march(name):
     system, _ = SYSTEMS[name]
     motion = SCANNED["a step a sample"]
-    amplitude = np.geomspace(1.01, 4.0, 150) * system.least_uplift(motion)
+    amplitude = np.geomspace(1.01, 4.0, 80) * system.least_uplift(motion)
     expected = response(system, motion, amplitude, 0.4, peaks=False).outcome
     expected[expected == Outcome.NO_UPLIFT] = Outcome.ROCKED
     assert np.unique(expected).size >= 2

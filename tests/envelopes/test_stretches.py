@@ -18,6 +18,8 @@ from rocking_cli.envelopes.capacity import CapacitySearch, begun_together
 from rocking_cli.envelopes.stretches import (
     UNKNOWN,
     AmplitudeStretches,
+    _Distance,
+    _LeastPath,
     outcomes_of_stretches,
     proved_outcomes,
     proved_to,
@@ -34,7 +36,7 @@ NONLINEAR = Method("nonlinear")
     ("body", "sign"),
     [
         (PILLAR, 1.0),
-        (STOUT, 1.0),
+        pytest.param(STOUT, 1.0, marks=pytest.mark.soak),
         (STATUE, -1.0),
         pytest.param(COLUMN, 1.0, marks=pytest.mark.soak),
         pytest.param(STATUE, 1.0, marks=pytest.mark.soak),
@@ -60,9 +62,9 @@ def test_what_is_proved_is_what_the_march_finds(body, sign):
     assert (Outcome.ROCKED in label[proved]) == (body is PILLAR)
     assert np.all(label[first[proved]] == label[proved])
 
-    # Next to other stretches, and at every seventh amplitude.
+    # Next to other stretches, and at every fifteenth amplitude.
     edge = np.append(first[1:] != first[:-1], True)
-    some = np.flatnonzero(proved & (edge | (np.arange(row.size) % 7 == 0)))
+    some = np.flatnonzero(proved & (edge | (np.arange(row.size) % 15 == 0)))
     found, impacts = search.respond(amplitude[some], omegas[row[some]])
     np.testing.assert_array_equal(found, label[some])
     assert not impacts.any()
@@ -85,8 +87,8 @@ def integrated(alpha, amplitude, omega, until):
     return path.y[:, -1] / np.sin(alpha)
 
 
-@pytest.mark.parametrize("omega", [1.3, 4.5, 9.0])
-@pytest.mark.parametrize("until", [2.5, np.pi, 5.0, 2.0 * np.pi])
+@pytest.mark.parametrize("omega", [1.3, 9.0])
+@pytest.mark.parametrize("until", [2.5, np.pi, 2.0 * np.pi])
 def test_no_path_is_farther_away_than_the_bound(omega, until):
     least, gap = np.array([1.5, 3.0, 6.0]), 0.01
     ends = np.array([least, least + gap])
@@ -111,27 +113,53 @@ def test_no_path_is_farther_away_than_the_bound(omega, until):
             assert abs(rate - v) <= share * unit * path.w[i]
 
 
+def test_after_the_shaking_all_bodies_of_a_stretch_end_as_is_said():
+    """At 25 places of wide ranges of y and y', also about the equilibrium."""
+    random, count = np.random.default_rng(3), 4000
+    system, at = NONLINEAR.system_of(COLUMN), np.arange(count)
+    ends = np.array([np.full(count, 1.1), np.full(count, 1.2)])
+    stretches = AmplitudeStretches(system, sine(), np.full(count, 4.0), ends)
+    off = _Distance(*random.uniform(0.0, 0.3, (2, count)))
+    y, v = off.y + random.uniform(0.0, 2.0, count), random.uniform(-1.5, 1.0, count)
+    few = slice(0, 400)  # as fast as those that just overturn after an impact
+    off.y[few], off.v[few] = 0.3, 0.01
+    y[few], v[few] = random.uniform([[0.7], [-0.6]], [[1.3], [-0.45]], (2, 400))
+    found = stretches._after_shaking(at, _LeastPath(y, v, y, v), off)
+    known = found != UNKNOWN
+    assert np.unique(found).size == 4
+    for up in np.linspace(-1.0, 1.0, 5):
+        for right in np.linspace(-1.0, 1.0, 5):
+            free = stretches._free(at, y + up * off.y, v + right * off.v)
+            ended = np.where(
+                free.overturns_after_impact,
+                Outcome.OVERTURNED_AFTER_IMPACT,
+                Outcome.ROCKED,
+            )
+            ended[free.overturns] = Outcome.OVERTURNED_NO_IMPACT
+            np.testing.assert_array_equal(found[known], ended[known])
+
+
 def test_an_envelope_has_the_same_intervals_without_these_proofs(monkeypatch):
     found = []
     for many in (1000, np.inf):
         monkeypatch.setattr(boundaries, "_MANY", many)
         found.append(
             trace_envelope(
-                COLUMN, sine(), [2.2, 4.7], method=NONLINEAR, a_max=4.0, workers=1
+                COLUMN, sine(), [2.2], method=NONLINEAR, a_max=4.0, workers=1
             )
         )
     assert found[0] == found[1]
-    assert len(found[0]) > 2
+    assert len(found[0]) > 1
 
 
 @pytest.mark.parametrize("sign", quick((1.0, -1.0), 1.0))
 def test_nothing_overturns_where_it_is_excluded(sign):
-    bodies, omegas = [PILLAR, COLUMN, STOUT, STATUE], [1.3, 3.4, 5.1, 8.0]
+    bodies, omegas = [PILLAR, COLUMN, STOUT, STATUE], [1.3, 3.4, 8.0]
     motion = sine() if sign > 0.0 else sine().scaled(-1.0)
     march = SharedMarch(motion, bodies, [NONLINEAR] * 4)
     which, omega = (x.ravel() for x in np.meshgrid(range(4), omegas))
     uplift = np.array([one.least_uplift(motion) for one in march.systems])[which]
-    high = np.full(omega.size, 6.0)
+    high = np.full(omega.size, 3.0)
     reach = proved_to(march, which, omega, uplift, high)
     assert np.mean(reach[omega > 3.0] > 1.2 * uplift[omega > 3.0]) > 0.6
     # also above the amplitudes up to which any body keeps contact
@@ -140,9 +168,9 @@ def test_nothing_overturns_where_it_is_excluded(sign):
     # Up to there all stand, and from there on a proof is tried again.
     again = proved_to(march, which, omega, np.minimum(1.1 * reach, high), high)
     for low, top in ((uplift, reach), (np.minimum(1.1 * reach, high), again)):
-        row = np.repeat(np.flatnonzero(low < top), 50)
+        row = np.repeat(np.flatnonzero(low < top), 20)
         amplitude = low[row] + (top - low)[row] * np.tile(
-            np.linspace(0.0, 1.0, 50), row.size // 50
+            np.linspace(0.0, 1.0, 20), row.size // 20
         )
         found = march.response(which[row], amplitude, omega[row], peaks=False)[1]
         assert Outcome.FAILED not in found

@@ -16,7 +16,7 @@ from support.record_layouts import wave
 from support.soak import quick
 from support.synthetic_records import recorded
 
-from rocking_cli import Method, Outcome, load_records, parse_grid, response, spectrum
+from rocking_cli import Method, Outcome, parse_grid, response, spectrum
 from rocking_cli.dynamics.march import one_turn
 from rocking_cli.dynamics.method import governing_method
 from rocking_cli.motions import pulse, sine
@@ -70,7 +70,9 @@ def errors(structure, motion, tolerances, count, how="arrays"):
 
 
 # Systems of which a bound of a tenth is too low under the record: outside the soak.
-TIGHT = ("damped", "stocky", "stocky, unequal edges", "frame", "point mass")
+TIGHT = ("damped", "stocky, unequal edges")
+# every kind of system, under a sine
+KINDS = (*TIGHT, "one-sided", "parameters", "frame", "yielding tie", "stocky, tendon")
 
 
 @pytest.mark.parametrize(
@@ -80,7 +82,7 @@ TIGHT = ("damped", "stocky", "stocky, unequal edges", "frame", "point mass")
             system,
             motion,
             marks=[pytest.mark.soak]
-            * (motion == "short record" and system not in TIGHT),
+            * (system not in (KINDS if motion == "one sine" else TIGHT)),
         )
         for motion in ("one sine", "short record")
         for system in SYSTEMS
@@ -105,22 +107,30 @@ def test_the_error_against_an_independent_integration_is_below_the_bound(
             assert abs(ratio - exactly) <= tolerance * condition + 1e-9
 
 
+PAIRS = [
+    ("slender", "ricker"),
+    ("stocky", "cycles"),
+    ("stocky", "record"),
+    ("elastic", "sine"),
+]
+
+
 def bodies_and_motions():
-    """Every body and motion; in the soak at all tolerances, and those that take half a
-    second there alone.
-    """
-    slow = [("slender", "cycles"), *product(BODIES, ("record", "short record"))]
-    slow.remove(("stocky", "record"))
+    """Some bodies and motions; in the soak all, at all tolerances."""
+    for pair in PAIRS:
+        yield *pair, (1e-6, 1e-9), 25
     for pair in product(BODIES, MOTIONS):
-        if pair not in slow:
-            yield *pair, (1e-6, 1e-9)
-        yield pytest.param(*pair, TOLERANCES, marks=pytest.mark.soak)
+        yield pytest.param(*pair, TOLERANCES, 100, marks=pytest.mark.soak)
 
 
-@pytest.mark.parametrize(("body", "motion", "tolerances"), list(bodies_and_motions()))
-def test_the_error_is_below_its_bound_and_not_far_below(body, motion, tolerances):
+@pytest.mark.parametrize(
+    ("body", "motion", "tolerances", "count"), list(bodies_and_motions())
+)
+def test_the_error_is_below_its_bound_and_not_far_below(
+    body, motion, tolerances, count
+):
     structure = built(BODIES[body])
-    found = errors(structure, motion, tolerances, 100)
+    found = errors(structure, motion, tolerances, count)
     for tolerance, (error, bound) in zip(tolerances, found, strict=True):
         assert error.size >= 3
         assert (error <= bound + ROUNDING).all()
@@ -129,10 +139,10 @@ def test_the_error_is_below_its_bound_and_not_far_below(body, motion, tolerances
 
 
 # of all motions here this one finds too low a bound of the most systems
-@pytest.mark.parametrize("system", quick(NONLINEAR, *TIGHT, "arch", "yielding tie"))
+@pytest.mark.parametrize("system", quick(NONLINEAR, "arch", "yielding tie"))
 def test_the_error_of_every_system_is_below_its_bound(system):
     structure = structure_of(SYSTEMS[system])
-    ((error, bound),) = errors(structure, "short record", [1e-5], 20)
+    ((error, bound),) = errors(structure, "short record", [1e-5], 10)
     assert (error <= bound + ROUNDING).all()
 
 
@@ -148,7 +158,7 @@ def test_the_error_of_thousands_of_cells_is_below_its_bound(system, motion, tole
         assert bound.max() <= 1e5 * error.max()
 
 
-@pytest.mark.parametrize("body", BODIES)
+@pytest.mark.parametrize("body", quick(BODIES, "stocky"))
 def test_the_error_of_one_cell_after_the_other_is_below_its_bound(body):
     ((error, bound),) = errors(built(BODIES[body]), "cycles", [1e-9], 40, "floats")
     assert (error <= bound + ROUNDING).all()
@@ -172,18 +182,17 @@ def test_a_sweep_states_a_bound_above_its_largest_error():
 
 
 def a_sweep():
-    """25 linear cells under a record, of which 4 are computed again."""
+    """Nine linear cells under a record, of which two are computed again."""
     scene = scene_of_words(
         [],
-        load_records(["configs/motions/synthetic.at2"]),
-        axes="T=1:6:5",
-        alphas="0.05:0.35:5",
+        [recorded(wave(24, 3.0), 0.1)],
+        axes="T=2:6:3",
+        alphas="0.12:0.25:3",
         model="linear",
     )
-    return spectrum_of(scene, SweepOptions(workers=1, check=4))
+    return spectrum_of(scene, SweepOptions(workers=1, check=2))
 
 
-@pytest.mark.slow
 def test_a_sweep_tells_a_fault_of_its_march(monkeypatch):
     """A peak gets the height at the start of its step."""
     right = a_sweep()
@@ -199,7 +208,7 @@ def test_a_sweep_tells_a_fault_of_its_march(monkeypatch):
     monkeypatch.setattr(one_turn, "only_root", at_the_start)
     wrong = a_sweep()
     apart = np.abs(wrong.theta_ratio - right.theta_ratio)
-    assert (apart > 1e-7).sum() > 10
+    assert (apart > 1e-7).sum() > 3
     assert wrong.summary.beyond_tolerance > 0
     assert any("do not rely" in line for line in summary_lines(wrong.summary, ""))
 
@@ -209,7 +218,7 @@ def test_a_sweep_tells_a_bound_that_is_below_the_error(share, monkeypatch):
     """Of so many cells the condition is divided until it is a tenth of the error: each
     checked cell is compared with its own bound.
     """
-    block, grid = built(BODIES["slender"]), parse_grid("a_g=0.26g:0.9g:30,T_g=0.3:1:30")
+    block, grid = built(BODIES["slender"]), parse_grid("a_g=0.26g:0.9g:12,T_g=0.3:1:12")
     method, method_exactly = (Method("nonlinear", t) for t in (1e-4, 1e-13))
     exactly = spectrum([block], sine(), grid, method=method_exactly, workers=1, check=0)
 

@@ -14,6 +14,7 @@ from oracles.collocation import Edge, Shaking
 from oracles.ground_forces import asked
 from support.documents import built
 from support.record_layouts import wave
+from support.soak import quick
 from support.synthetic_records import recorded
 
 from rocking_cli import Axis, Method, Outcome, Spectrum, response
@@ -119,7 +120,7 @@ def swept(method: Method, *quantities: str, check: int = 0) -> Spectrum:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("model", ["linear", "nonlinear"])
+@pytest.mark.parametrize("model", quick(("linear", "nonlinear"), "nonlinear"))
 def test_what_is_said_of_an_angle_is_said_of_blocks_of_that_angle(model):
     """A condition beside changes no outcome, and the slower path agrees."""
     method = Method(model)

@@ -30,7 +30,7 @@ from rocking_cli.spectra.record_scene import angles_scene, structures_scene
 
 BLOCK = built("kind: block\nwidth: 0.12 m\nheight: 0.5 m")
 TWO = [recorded(wave(24, 3.0), 0.1, "a"), recorded(-0.5 * wave(24)[::-1], 0.1, "b")]
-A_MAX = 3.0
+A_MAX = 2.1
 
 
 @pytest.mark.slow
@@ -38,12 +38,12 @@ def test_ends_of_intervals_by_another_method():
     """On both sides of the first ends a Runge-Kutta method says what the row says; the
     rows are in all units the same.
     """
-    scene = structures_scene([BLOCK], TWO)
-    found = list(tracing_rows(Tracing(scene, 3.5), workers=1))
-    assert {row["record"] for row in found} == {"a", "b"}
+    (recording,) = TWO[:1]
+    scene = structures_scene([BLOCK], [recording])
+    found = list(tracing_rows(Tracing(scene, 3.0), workers=1))
+    assert [row["A_to"] is None for row in found] == [False, True]
     problem, omega = scene.method.problem_of(BLOCK), 1.0 / BLOCK.p
-    for row in (*found[:2], *found[-2:]):
-        recording = TWO["ab".index(row["record"])]
+    for row in found:
         for key, inside in (("from", 1e-7), ("to", -1e-7)):
             end = row[f"A_{key}"]
             if end is None:
@@ -106,16 +106,14 @@ def test_signs_of_unequal_sides():
     body = built(
         "kind: rigid\nleft: 0.06 m\nright: 0.04 m\nheight: 0.2 m\ngyration: 0.12 m"
     )
-    tracing = Tracing(structures_scene([body], TWO[:1]), 3.0, first=True)
+    tracing = Tracing(structures_scene([body], TWO[:1]), 2.1, first=True)
     by_sign = {
         row["sign"]: row["A_from"]
         for row in tracing_rows(tracing, sign="both", workers=1)
     }
     turned = structures_scene([body], [Recording(TWO[0].record, -1.0)])
-    (other,) = tracing_rows(Tracing(turned, 3.0, first=True), sign="+", workers=1)
-    (worse,) = tracing_rows(tracing, workers=1)
+    (other,) = tracing_rows(Tracing(turned, 2.1, first=True), sign="+", workers=1)
     assert other["A_from"] == pytest.approx(by_sign[-1], rel=1e-14)
-    assert worse["A_from"] == min(by_sign.values())
 
 
 def test_a_body_that_the_limit_does_not_lift():
@@ -149,7 +147,7 @@ def test_the_command(rocking, refused, tmp_path):
         "--dt",
         "0.05",
         "--a-max",
-        "1.3",
+        "1.1",
     )
     done = rocking("envelope", "b.yaml", *call, "--first", "--json", "--notes")
     one, other = done.records
@@ -201,35 +199,6 @@ def test_quantiles_lie_between_the_order_statistics():
         5,
         pytest.approx(2.0 * math.pi / 3.0),
     )
-
-
-@pytest.mark.soak
-def test_a_block_is_the_same_by_its_angle_and_by_its_size():
-    """2 pi/p = 1 s and alpha = 0.2: the block of that radius under the same records."""
-    alpha, p = 0.2, 2.0 * math.pi
-    block = built(
-        f"kind: block\nradius: {0.75 * 9.81 / p**2!r}\nalpha: {alpha}\nrestitution: 0.9"
-    )
-    scenes = (
-        angles_scene(
-            Axis("alpha", np.array([alpha])),
-            Axis("T", np.array([1.0])),
-            RECORDS[:2],
-            0.9,
-        ),
-        structures_scene([block], RECORDS[:2]),
-    )
-    one, other = (
-        next(
-            overturning_spectrum(
-                scene, tracing_rows(Tracing(scene, 8.0, True), workers=1)
-            )
-        )
-        for scene in scenes
-    )
-    for key in ("p", "pga_ratio_16", "pga_ratio_50", "overturned", "records"):
-        assert one[key] == pytest.approx(other[key], rel=1e-9)
-    assert one["overturned"] == 2
 
 
 def test_its_figure_draws_the_median_and_the_band_of_each_angle():

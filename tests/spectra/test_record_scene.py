@@ -93,31 +93,6 @@ def test_columns_scale_each_record_under_each_structure(name):
             )
 
 
-@pytest.mark.soak
-def test_few_cells_of_each_structure_under_a_long_record():
-    """They are marched one by one: every outcome equal, rotations within the tolerance
-    times the condition.
-    """
-    quake = recording("long", 260, 5.0)
-    scene = structures_scene(
-        [BLOCK, built("kind: block\nwidth: 0.5 m\nheight: 2 m")],
-        (quake,),
-        Axis("scale", np.array([0.5, 1.0, 1.5])),
-    )
-    found = spectrum_of(scene, SweepOptions(workers=1, check=0))
-    for j, structure in enumerate(scene.structures):
-        expected = alone(
-            structure,
-            quake.motion,
-            quake.acceleration * np.array([0.5, 1.0, 1.5]),
-            Method(),
-        )
-        assert np.array_equal(found.outcome[0, j], expected.outcome)
-        assert found.theta_ratio[0, j] == pytest.approx(
-            expected.theta_ratio, rel=1e-6, nan_ok=True
-        )
-
-
 def test_a_factor_is_part_of_the_record():
     """Its sign turns it over; its size is what a column `scale` multiplies."""
     there, here = RECORDS[1].motion, recording("b", 50, 4.0, 1.5).motion
@@ -164,14 +139,14 @@ def test_rocking_spectra_over_alpha_and_size(eta):
 )
 def test_records_share_a_run_and_are_those_of_each_alone(method):
     """Of other lengths, steps and peaks, one with its samples far apart."""
-    steps = {"a": (70, 0.02), "b": (120, 0.005), "c": (24, 0.8), "d": (33, 0.03)}
+    steps = {"b": (90, 0.005), "c": (24, 0.8), "d": (33, 0.03)}
     several = [
         recorded(wave(count, 4.0 + count % 7), dt, name)
         for name, (count, dt) in steps.items()
     ]
     axes = (
-        Axis("alpha", np.radians([6.0, 20.0, 50.0])),
-        Axis("T", np.linspace(0.6, 9.0, 5)),
+        Axis("alpha", np.radians([6.0, 50.0])),
+        Axis("T", np.linspace(0.6, 9.0, 4)),
     )
     together, *alone = (
         spectrum_of(

@@ -3,7 +3,6 @@ to ask for.
 """
 
 import math
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -12,8 +11,6 @@ from support.bodies import shaking
 
 from rocking_cli import Method, Motion, Outcome, RockingParameters
 from rocking_cli.dynamics.lanes import Lanes
-from rocking_cli.dynamics.outcome import safe
-from rocking_cli.dynamics.response import Response
 from rocking_cli.motions import Harmonic, Piece
 
 # One sine cycle, linear, eta = 0.9: overturning after impact from, to; without impact
@@ -131,44 +128,3 @@ def lanes(**given: Any) -> Lanes:
             for x in Lanes.__dataclass_fields__
         )
     )
-
-
-def condition_of(
-    respond: Callable[..., Response],
-    amplitude: np.ndarray,
-    omega: np.ndarray,
-    eta: np.ndarray,
-    tolerance: float,
-) -> np.ndarray:
-    """Return the condition of cells (any shape, broadcast): the change of max
-    |theta|/alpha over a small relative change of the input,
-
-        kappa = |d theta/d ln A| + |d theta/d ln Omega| + |d theta/d ln eta|,
-        theta = max |theta|/alpha        [-]
-
-    by central differences over a relative 1e-7, or 100 times the tolerance of the
-    method (0 of an exact one). respond: the response of arrays (A, Omega, eta). NaN if
-    the cell or a cell of the differences overturned or failed; 0 below uplift. From
-    about 1e5 on the difference is no derivative and no bound: a rotation that changes
-    completely over 1e-7 may do so over 1e-12.
-    """
-    cells = np.broadcast_arrays(
-        *(np.asarray(x, dtype=float) for x in (amplitude, omega, eta))
-    )
-    step = max(1e-7, 100.0 * tolerance)
-    total = np.zeros(cells[0].shape)
-    for i, values in enumerate(cells):
-        ends = np.stack([values * (1.0 - step), values * (1.0 + step)])
-        if i == 2:  # eta
-            np.clip(ends, -1.0, 1.0, out=ends)
-        shifted = [ends if j == i else np.stack([x, x]) for j, x in enumerate(cells)]
-        found = respond(*shifted)
-        still = safe(found.outcome).all(axis=0)
-        width = np.abs(ends[1] - ends[0])
-        rate = (
-            np.abs(found.theta_ratio[1] - found.theta_ratio[0])
-            * np.abs(values)
-            / np.where(width == 0.0, np.inf, width)
-        )
-        total += np.where(still, rate, np.nan)
-    return total

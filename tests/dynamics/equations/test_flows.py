@@ -68,7 +68,7 @@ def test_the_series_is_the_closed_form_up_to_its_longest_step(
 ):
     motion = Motion("m", (Piece(0.0, 12.0, harmonics, 0.1, slope),))
     segments, equation = motion.segments, OnSeries(damping)
-    random, count = np.random.default_rng(3), 30
+    random, count = np.random.default_rng(3), 10
     k = random.integers(0, len(segments), count)
     u = random.uniform(0.0, 0.9, count) * segments.length[k]
     amplitude, omega = random.uniform(0.5, 3.0, count), random.uniform(0.3, 9.0, count)

@@ -18,7 +18,6 @@ from rocking_cli.responses.history import history, quarter_period
 
 ARCHES = {
     "oppenheim": "radius: 10 m\nthickness: 1.5 m\nangle: 157.5 deg\nvoussoirs: 7",
-    "continuous": "radius: 10 m\nthickness: 1.5 m\nangle: 157.5 deg",
     "thick": "radius: 10 m\nthickness: 2.5 m\nangle: 150 deg",
     "barely stands": "radius: 10 m\nthickness: 1.09 m\nangle: 180 deg",
 }
@@ -59,7 +58,7 @@ def test_tables_are_the_linkage_to_rounding(arch):
     )
 
 
-@pytest.mark.parametrize("start", [0.1, 0.5, 0.9])
+@pytest.mark.parametrize("start", [0.1, 0.9])
 def test_free_quarter_period_equals_the_quadrature(arch, start):
     """T/4 = integral of sqrt(M) dphi / sqrt(2 g int L dphi), with the singularity taken
     out by phi = phi0 - u^2.
@@ -100,12 +99,11 @@ def test_oppenheims_arch_rocks_slower_than_its_linear_oscillator(oppenheim):
     assert ratios == pytest.approx([1.0737, 1.0622, 1.0441], abs=2e-4)
 
 
-@pytest.mark.parametrize("damping", [0.0, 0.1])
 @pytest.mark.parametrize(
-    ("motion", "times"),
+    ("motion", "times", "damping"),
     [
-        (pulse("rectangular-impulse"), [0.42, 0.45, 0.5, 0.55]),
-        (cosine(), [0.03, 0.06, 0.09, 0.12]),
+        (pulse("rectangular-impulse"), [0.42, 0.45, 0.5, 0.55], 0.1),
+        (cosine(), [0.03, 0.06, 0.09, 0.12], 0.0),
     ],
 )
 def test_first_arc_is_the_paper_s_equation(oppenheim, motion, times, damping):
@@ -217,7 +215,7 @@ def test_an_arch_that_barely_moves_is_its_linear_oscillator_to_first_order_in_al
 
 @pytest.mark.parametrize(
     ("thickness", "angle"),
-    [(0.8, 100), (0.795, 100), (0.801, 101), (2.0, 140), (0.5, 90)],
+    [(0.795, 100), (2.0, 140)],
 )
 def test_ordinary_arches_have_a_nonlinear_model(thickness, angle):
     arch = built(

@@ -60,7 +60,8 @@ def lanes_of(equation, segments, count, seed):
 @pytest.mark.parametrize(
     ("name", "tolerance", "motion"),
     [
-        *((name, tolerance, sine()) for name in ARCHES for tolerance in (1e-4, 1e-9)),
+        ("thick", 1e-4, sine()),
+        ("barely stands", 1e-9, sine()),
         ("voussoirs", 1e-9, pulse("ricker-symmetric")),
     ],
     ids=lambda x: getattr(x, "name", x),

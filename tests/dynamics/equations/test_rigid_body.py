@@ -9,12 +9,13 @@ import pytest
 from support.references import integrated, lanes
 
 from rocking_cli import Outcome, cosine, nonlinear_response, sine
+from rocking_cli.dynamics.condition import slope_between
 from rocking_cli.dynamics.equations.rigid_body import RigidBodyEquation
 from rocking_cli.motions import Harmonic, Motion, Piece
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("n", [6, pytest.param(200, marks=pytest.mark.soak)])
+@pytest.mark.parametrize("n", [4, pytest.param(200, marks=pytest.mark.soak)])
 @pytest.mark.parametrize(
     ("motion", "most"),
     [(sine(), 12), (cosine(1.5), 5)],
@@ -88,3 +89,16 @@ def test_order_of_the_flow_is_the_order_of_its_series():
 def test_model_checks_its_numbers(bad):
     with pytest.raises(ValueError, match="expected"):
         RigidBodyEquation(**{"alpha": 0.2, "tolerance": 1e-9, **bad})
+
+
+def test_the_slope_between_two_states_is_that_of_the_force():
+    """Of a damped body under a constant drive, in a time in which it hardly moves."""
+    equation, y, v, h = RigidBodyEquation(0.5, damping=0.3), 0.4, 0.7, 1e-5
+
+    def force(y):
+        return float(equation.force(np.array([y]), np.array([1.5]))[0])
+
+    end = y + h * v, v + h * (force(y) - 2.0 * 0.3 * v)
+    wanted = (force(y + 1e-4) - force(y - 1e-4)) / 2e-4
+    found = slope_between(equation, (y, v), end, h)
+    assert found == pytest.approx(wanted, rel=1e-4)

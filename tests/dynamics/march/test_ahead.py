@@ -26,7 +26,7 @@ from rocking_cli.dynamics.march.over_samples import (
     horizon,
     least_ahead,
 )
-from rocking_cli.dynamics.response import response_under_records, response_with_speed
+from rocking_cli.dynamics.response import response_with_speed
 
 LINEAR = System(LinearEquation()).with_restitution(0.9)
 
@@ -81,7 +81,7 @@ def line_by_line(system, motion, cells, monkeypatch):
         return response(system, motion, *cells)
 
 
-@pytest.mark.parametrize("name", quick(SYSTEMS, *QUICK))
+@pytest.mark.parametrize("name", quick(SYSTEMS, QUICK[0], QUICK[2]))
 def test_flights_end_as_line_by_line(name, monkeypatch):
     system, eta = SYSTEMS[name]
     for seed, motion in enumerate(
@@ -113,7 +113,7 @@ def test_many_flights_end_as_line_by_line(name, monkeypatch):
         assert_same(found, slow.theta_ratio, slow.outcome, allowed)
 
 
-@pytest.mark.parametrize("name", ["the oscillator", "a body on one side", "an arch"])
+@pytest.mark.parametrize("name", quick(("the oscillator", "an arch"), "the oscillator"))
 def test_the_largest_speed_is_that_line_by_line(name, monkeypatch):
     system, _ = SYSTEMS[name]
     motion = motion_of_samples(noise(160, 0.02, 5), 0.02)
@@ -138,24 +138,15 @@ def test_the_steps_follow_the_impacts_and_not_the_samples():
     assert finer < 1.3 * coarse
 
 
-def test_tables_in_groups_and_several_records_change_no_digit(monkeypatch):
-    motions = [motion_of_samples(one, 0.03) for one in RECORDS]
-    cells = random_cells(6, 6)
-    alone = [response(LINEAR, one, *cells) for one in motions]
+def test_tables_in_groups_change_no_digit(monkeypatch):
+    motion, cells = motion_of_samples(RECORDS[0], 0.03), random_cells(4, 6)
+    whole = response(LINEAR, motion, *cells).theta_ratio
     monkeypatch.setattr(over_samples, "_TABLE", 4 * 100)
-    for motion, found in zip(motions, alone, strict=True):
-        again = response(LINEAR, motion, *cells).theta_ratio
-        np.testing.assert_array_equal(again, found.theta_ratio)
-    amplitude, omega = (np.tile(x, 3) for x in cells)
-    together, _ = response_under_records(
-        LINEAR, motions, np.repeat([0, 1, 2], 6), amplitude, omega
-    )
-    np.testing.assert_array_equal(
-        together.outcome, np.concatenate([one.outcome for one in alone])
-    )
+    again = response(LINEAR, motion, *cells).theta_ratio
+    np.testing.assert_array_equal(again, whole)
 
 
-@pytest.mark.parametrize("name", quick(SYSTEMS, *QUICK))
+@pytest.mark.parametrize("name", quick(SYSTEMS, QUICK[2]))
 def test_no_digit_of_a_cell_depends_on_the_others(name):
     system, motion = SYSTEMS[name][0], motion_of_samples(noise(100, 0.02, 5), 0.02)
     cells = np.array(random_cells(12, 3))

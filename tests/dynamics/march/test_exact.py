@@ -85,9 +85,7 @@ def test_an_impact_is_where_the_body_meets_the_ground():
 
 
 @pytest.mark.parametrize("count", [600, pytest.param(6000, marks=pytest.mark.soak)])
-@pytest.mark.parametrize(
-    "motion", [sine(), sine(3), cosine(1.5), pulse("half-sine")], ids=str
-)
+@pytest.mark.parametrize("motion", [sine(3), pulse("half-sine")], ids=str)
 def test_bodies_end_as_on_their_series(motion, count):
     random = np.random.default_rng(9)
     a = 10.0 ** random.uniform(-0.1, 1.2, count)

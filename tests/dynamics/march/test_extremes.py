@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from support.documents import built
 from support.references import reference
+from support.soak import quick
 from support.synthetic_records import motion_of_samples
 
 from rocking_cli import (
@@ -65,10 +66,8 @@ def assert_decided(*responses):
         assert np.isnan(found.theta_ratio[~safe(found.outcome)]).all()
 
 
-@pytest.mark.parametrize("omega", [1e-4, 1e-2, 1.0, 1e2, 1e4])
-@pytest.mark.parametrize(
-    "eta", [0.0, 1e-6, 0.9, 0.99, pytest.param(0.999, marks=pytest.mark.soak)]
-)
+@pytest.mark.parametrize("omega", quick((1e-4, 1e-2, 1.0, 1e2, 1e4), 1e-4, 1.0, 1e4))
+@pytest.mark.parametrize("eta", quick((0.0, 1e-6, 0.9, 0.99, 0.999), 0.0, 0.9))
 def test_amplitudes_from_uplift_to_1e8_are_decided(omega, eta):
     amplitude = np.array([1 + 1e-12, 1 + 1e-9, 1.001, 1.1, 2.0, 1e2, 1e4, 1e8])
     assert_decided(*both(amplitude, omega, eta))
@@ -134,14 +133,12 @@ NEAR = np.array([1.0001, 1.5, 8.0])
     [
         *(
             (sine(), STRONG, omega, eta, 0.25, 1e-16, 1e-14)
-            for omega in (1e-4, 1.0, 1e4)
-            for eta in (0.0, 0.9)
+            for omega, eta in ((1e-4, 0.0), (1.0, 0.9), (1e4, 0.9))
         ),
         (pulse("half-sine"), np.linspace(1000, 9000, 3), 1e4, 0.5, 0.25, 5e-13, 5e-13),
         *(
             (sine(), NEAR, omega, 0.9, alpha, 1e-14, 1e-12)
-            for omega in (0.5, 4.0, 20.0)
-            for alpha in (1e-6, 1e-3, 1.2)
+            for omega, alpha in ((0.5, 1e-6), (4.0, 1.2), (20.0, 1e-3))
         ),
         (
             pulse("rectangular-impulse"),
@@ -197,15 +194,6 @@ def test_stiff_cells_equal_the_slower_path(
                 assert theta == pytest.approx(expected[1], rel=0, abs=most, nan_ok=True)
 
 
-@pytest.mark.soak
-def test_ten_thousand_cycles_are_decided():
-    assert_decided(
-        linear_response(
-            sine(10_000), np.array([1.0005, 1.2]), np.array([30.0, 400.0]), 0.2
-        )
-    )
-
-
 @pytest.mark.slow
 def test_a_hundred_thousand_impacts_end_in_an_outcome(monkeypatch):
     """Without loss a body just above uplift never stops bouncing: the cell is given up
@@ -215,13 +203,13 @@ def test_a_hundred_thousand_impacts_end_in_an_outcome(monkeypatch):
     found = linear_response(sine(), 1 + 1e-6, 1.0, 1.0)
     assert found.outcome == Outcome.FAILED
     assert int(found.impacts_at_least) < 100
-    monkeypatch.setattr(batch, "MAX_STEPS", 1000)
-    found = linear_response(sine(), 1 + 8e-4, 1.0, 1.0)
+    monkeypatch.setattr(batch, "MAX_STEPS", 300)
+    found = linear_response(sine(), 1 + 2e-3, 1.0, 1.0)
     assert found.outcome == Outcome.FAILED
-    assert 900 < int(found.impacts_at_least) < 2 * 1000
+    assert 270 < int(found.impacts_at_least) < 2 * 300
 
 
-@pytest.mark.parametrize("omega", [2.0, 5.0])
+@pytest.mark.parametrize("omega", quick((2.0, 5.0), 5.0))
 def test_cells_next_to_a_boundary_have_an_outcome_and_its_rotation(omega):
     for interval in trace_envelope(
         dimensionless_oscillator(eta=0.9), sine(), [omega], a_max=10
@@ -284,21 +272,6 @@ def test_an_arch_at_the_edge_of_stability(thickness, amplitude):
     assert float(found.theta_ratio) == pytest.approx(theta, abs=5e-10, nan_ok=True)
 
 
-@pytest.mark.parametrize("p", [1e-3, 1.0, 1e3])
-def test_frequency_parameters_from_1e_3_to_1e3(p):
-    structure = built(f"kind: parameters\np: {p}\nalpha: 0.2\neta: 0.9\na_scale: 1")
-    found = spectrum(
-        [structure], sine(), parse_grid(f"a_g=1:12:12,omega_g={0.5 * p}:{8 * p}:9")
-    )
-    again = spectrum(
-        [dimensionless_oscillator(eta=0.9)],
-        sine(),
-        parse_grid(f"A={1 / 1.962}:{12 / 1.962}:12,Omega=0.5:8:9"),
-    )
-    assert np.array_equal(found.outcome, again.outcome)
-    assert found.summary.misjudged == 0
-
-
 @pytest.mark.parametrize(
     "grid",
     [
@@ -340,7 +313,7 @@ def test_a_body_that_rounding_lifts_at_an_extreme_of_the_drive_is_decided(above)
         assert found.theta_ratio < 1e-6
 
 
-@pytest.mark.parametrize("seed", range(20))
+@pytest.mark.parametrize("seed", range(5))
 def test_the_last_sample_of_a_record_may_lift_a_body_by_rounding(seed):
     samples = np.append(np.random.default_rng(seed).uniform(-1.0, 1.0, 3), 1.17)
     motion = motion_of_samples(samples, 0.1)

@@ -42,9 +42,9 @@ MODELS = {"linear": "the oscillator", "nonlinear": "a body"}
 @pytest.mark.parametrize(
     ("model", "record", "part", "count", "etas"),
     [
-        *(("linear", record, slice(None), 9, (0.5, 0.9, 0.0)) for record in range(3)),
-        ("linear", 0, slice(None), 3, (1.0,)),
-        ("nonlinear", 2, slice(35, 70), 10, (0.7,)),
+        ("linear", 1, slice(None), 6, (0.5, 0.9, 0.0)),
+        pytest.param("linear", 0, slice(None), 3, (1.0,), marks=pytest.mark.soak),
+        ("nonlinear", 2, slice(35, 70), 6, (0.7,)),
         *(
             pytest.param("linear", n, slice(None), 1000, eta, marks=pytest.mark.soak)
             for n in range(3)
@@ -117,7 +117,7 @@ def against_the_march(name, motion, long, count, seed):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", quick(SYSTEMS, *QUICK))
+@pytest.mark.parametrize("name", quick(SYSTEMS, *QUICK[1:3]))
 def test_the_same_as_the_march_by_long_series(name):
     motion = (
         motion_of_samples(RECORDS[1], 0.03)
@@ -127,7 +127,7 @@ def test_the_same_as_the_march_by_long_series(name):
     against_the_march(name, motion, long_series(motion), 8, 5)
 
 
-@pytest.mark.parametrize("name", ["the oscillator", "a damped body of unlike edges"])
+@pytest.mark.parametrize("name", quick(("the oscillator", QUICK[2]), QUICK[2]))
 def test_the_same_as_that_march_on_ground_that_moves_upwards_too(name):
     against_the_march(name, *weighed(slice(36, 52), 0.5, 2), 5, 5)
 
@@ -136,7 +136,7 @@ def test_the_same_as_that_march_on_ground_that_moves_upwards_too(name):
     "motion",
     [
         cosine(1.5),
-        pulse("ricker-symmetric"),
+        pytest.param(pulse("ricker-symmetric"), marks=pytest.mark.soak),
         with_vertical(sine(), cosine(), 0.4),
     ],
     ids=lambda m: m.name,
@@ -159,7 +159,7 @@ def test_many_cells_of_each_system(name, record):
     )
 
 
-@pytest.mark.parametrize("model", MODELS)
+@pytest.mark.parametrize("model", quick(MODELS, "linear"))
 def test_samples_that_change_nothing(model):
     """The refined, delayed and continued record."""
     samples, (system, _) = (
@@ -189,64 +189,7 @@ def test_samples_that_change_nothing(model):
         )
 
 
-@pytest.mark.slow
-def test_the_tolerance_is_kept():
-    """Against steps at 1e-13: an error of the tolerance at the most, times the
-    condition of each cell.
-    """
-    motion, eta = motion_of_samples(RECORDS[0][30:80], 0.04), np.full(16, 0.9)
-    amplitude, omega = random_cells(16, 9)
-    condition = 1e12 * allowance(
-        motion, amplitude, omega, eta, System(RigidBodyEquation(ALPHA))
-    )
-    exact = response(
-        System(RigidBodyEquation(ALPHA, 1e-13)), motion, amplitude, omega, eta
-    )
-    for tolerance in (1e-4, 1e-7, 1e-10):
-        found = response(
-            System(RigidBodyEquation(ALPHA, tolerance)), motion, amplitude, omega, eta
-        )
-        assert_same(found, exact.theta_ratio, exact.outcome, tolerance * condition)
-        assert (
-            np.nanmax(np.abs(found.theta_ratio - exact.theta_ratio)) > 1e-6 * tolerance
-        ), "fewer terms are taken"
-
-
-@pytest.mark.parametrize(
-    "motion",
-    [motion_of_samples(RECORDS[0][36:52], 0.04), sine()],
-    ids=["record", "sine"],
-)
-def test_bodies_of_many_angles_in_one_run_are_those_of_each_alone(motion):
-    alphas, count = np.array([0.6, 0.1, 0.3]), 7
-    amplitude, omega = random_cells(3 * count, 8)
-    omega[::5] /= 40.0  # samples that a step does not reach
-    omega *= 1.0 if motion.samples else 20.0
-    eta = np.tile([0.6, 0.9, 1.0 - 1e-4], count)
-    together = response(
-        System(RigidBodyEquation(np.repeat(alphas, count))),
-        motion,
-        amplitude,
-        omega,
-        eta,
-    )
-    assert len(set(together.outcome)) > 2
-    for i in (0, 2):
-        mine = slice(count * i, count * (i + 1))
-        alone = response(
-            System(RigidBodyEquation(float(alphas[i]))),
-            motion,
-            amplitude[mine],
-            omega[mine],
-            eta[mine],
-        )
-        for name in ("theta_ratio", "outcome", "impacts_at_least"):
-            np.testing.assert_array_equal(
-                getattr(together, name)[mine], getattr(alone, name)
-            )
-
-
-@pytest.mark.parametrize("alpha", [0.2, ALPHA, 0.3, 0.4])
+@pytest.mark.parametrize("alpha", [0.2, 0.4])
 def test_a_body_that_is_just_lifted_at_a_sample(alpha):
     """The uplift falls on the end of an interval, to the last digits."""
     system, motion = (
@@ -262,7 +205,6 @@ def test_a_body_that_is_just_lifted_at_a_sample(alpha):
 @pytest.mark.parametrize(
     ("lifts", "falls", "outcome"),
     [
-        (0.1, 1.0, "lost_contact"),
         (2.1, 1.0, "lost_contact"),
         (0.1, 3.6, "overturned_no_impact"),
     ],

@@ -17,7 +17,6 @@ from rocking_cli import (
     Outcome,
     RockingParameters,
     cosine,
-    parse_grid,
     pulse,
     response,
     sine,
@@ -28,15 +27,12 @@ from rocking_cli.dynamics.observers.contact_watch import ContactWatch
 from rocking_cli.dynamics.outcome import safe
 from rocking_cli.dynamics.references.general_solver import solve_cell
 from rocking_cli.motions.biaxial import with_vertical
-from rocking_cli.motions.polyline import Polyline
 from rocking_cli.reports.work_precision import scipy_path
-from rocking_cli.responses.time_history import time_history
 
 ETAS = 0.6, 0.98
 
 
-@pytest.mark.parametrize("kind", ["plain", "damped"])
-@pytest.mark.parametrize("vertical", [0.0, 0.3])
+@pytest.mark.parametrize(("kind", "vertical"), [("plain", 0.3), ("damped", 0.0)])
 def test_a_body_lifted_at_lambda_leaves_the_ground_where_the_same_motion_does(
     kind, vertical
 ):
@@ -54,8 +50,8 @@ def test_a_body_lifted_at_lambda_leaves_the_ground_where_the_same_motion_does(
             response(
                 Method().system_of(one),
                 motion,
-                np.linspace(0.8, 4.0, 60),
-                np.linspace(2.0, 9.0, 5)[:, None],
+                np.linspace(0.8, 4.0, 30),
+                np.linspace(2.0, 9.0, 4)[:, None],
                 body.eta,
             )
         )
@@ -115,7 +111,7 @@ def test_what_overturns_is_told_as_overturned_and_unknown_forces_are_not_looked_
 @pytest.mark.parametrize(
     ("kind", "model", "share"),
     [
-        ("plain", "linear", 0.0),
+        pytest.param("plain", "linear", 0.0, marks=pytest.mark.soak),
         ("plain", "nonlinear", 0.0),
         ("one-sided", "nonlinear", -0.9),
         ("damped", "nonlinear", -0.9),
@@ -138,7 +134,7 @@ def test_they_are_the_cells_whose_least_force_is_not_positive(kind, model, share
         found.outcome == Outcome.LOST_CONTACT,
     )
     assert 5 < np.count_nonzero(lost) < len(known) - 5
-    for i, j in known[::6]:
+    for i, j in known[::9]:
         asked = forces_of(
             body, cell[1], float(amplitude[i, j]), float(omega[i, j]), Method(model)
         )
@@ -218,7 +214,7 @@ def test_a_body_that_an_impact_leaves_no_speed_does_not_bounce():
 
 
 @pytest.mark.parametrize("kind", ["plain", "unequal", "one-sided", "damped"])
-@pytest.mark.parametrize("model", ["linear", "nonlinear"])
+@pytest.mark.parametrize("model", quick(("linear", "nonlinear"), "nonlinear"))
 def test_no_body_leaves_the_ground_below_it(model, kind):
     """Up to the amplitude of Lemma 13; not far above it free undamped bodies do."""
     body, _, _ = random_body(
@@ -228,31 +224,13 @@ def test_no_body_leaves_the_ground_below_it(model, kind):
     system = method.system_of(body)
     safe_to = system.safe_amplitude(motion)
     amplitude = np.geomspace(system.least_uplift(motion), safe_to, 4)[1:]
-    for omega in (1.0, 3.0, 8.0):
+    for omega in (3.0, 8.0):
         found = response(system, motion, amplitude, omega, body.eta)
         for a in amplitude[found.outcome == Outcome.ROCKED].tolist():
             assert forces_of(body, motion, a, omega, method).fz_min > 0.0
-    far = safe_to * np.geomspace(1.5, 10.0, 30), np.linspace(1.0, 12.0, 12)[:, None]
+    far = safe_to * np.geomspace(1.5, 10.0, 12), np.linspace(1.0, 12.0, 6)[:, None]
     lost = Outcome.LOST_CONTACT in response(system, motion, *far, body.eta).outcome
     assert lost == (kind in ("plain", "unequal"))
-
-
-def test_a_flight_marks_them_too():
-    body, random = pendulum(0.6), np.random.default_rng(1)
-    values = np.append(random.uniform(-1.0, 1.0, 24), 0.0)
-    t = 0.1 * np.arange(25)
-    record = Polyline("r", t[:-1], t[1:], values[:-1], np.diff(values) / 0.1, 1.0)
-    amplitude, method = np.linspace(0.8, 3.0, 6), Method()
-    found = response(method.system_of(body), record, amplitude, 1.0 / body.p, body.eta)
-    assert np.count_nonzero(found.outcome == Outcome.LOST_CONTACT) >= 1
-    for i in np.flatnonzero(
-        np.isin(found.outcome, (Outcome.ROCKED, Outcome.LOST_CONTACT))
-    )[-1:]:
-        shaking = parse_grid(f"A={float(amplitude[i])!r},Omega={1.0 / body.p!r}")
-        assert (
-            time_history(body, record, shaking, [method]).outcome("linear")
-            == found.outcome[i]
-        )
 
 
 def forces_under(body, edge, push, weight, u, rate):
@@ -280,7 +258,7 @@ class Seen(ContactWatch):
         return super().losses(steps)
 
 
-@pytest.mark.parametrize("model", ["linear", "nonlinear"])
+@pytest.mark.parametrize("model", quick(("linear", "nonlinear"), "nonlinear"))
 @pytest.mark.parametrize("share", quick((0.0, 0.4), 0.4))
 def test_forces_along_steps_stay_within_their_bounds(model, share):
     """Fz by another formula, at 65 instants of each step: above the bound by the
@@ -291,7 +269,7 @@ def test_forces_along_steps_stay_within_their_bounds(model, share):
     )
     system = Method(model).system_of(body)
     motion = with_vertical(sine(2), sine(3), share) if share else sine(2)
-    amplitude, omega = np.tile(np.geomspace(1.2, 6.0, 20), 2), np.repeat([2.0, 7.0], 20)
+    amplitude, omega = np.tile(np.geomspace(1.2, 6.0, 8), 2), np.repeat([2.0, 7.0], 8)
     batch = Batch.of(
         system.with_restitution(body.eta), system.segments(motion), amplitude, omega
     )

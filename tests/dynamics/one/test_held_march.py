@@ -40,7 +40,7 @@ def compared(seed):
 
 @pytest.mark.parametrize(
     "seeds",
-    [range(12), pytest.param(range(12, 1000), marks=pytest.mark.soak)],
+    [range(6), pytest.param(range(6, 1000), marks=pytest.mark.soak)],
     ids=["few", "many"],
 )
 def test_random_bodies_end_as_on_arrays(seeds):

@@ -116,7 +116,7 @@ def test_a_body_that_has_lain_on_its_side_does_not_come_back():
     """
     motion = Motion("wave", (Piece(0.0, 40.0, (Harmonic(-1.0, 1.0, 0.0),)),))
     system, outcomes = System(RigidBodyEquation(0.7)), []
-    for amplitude in np.geomspace(1.05, 60.0, 60):
+    for amplitude in np.geomspace(1.05, 60.0, 20):
         cell = system, motion, amplitude, 1.6, 0.9
         alone, together = response_alone(*cell), response(*cell)
         assert alone.outcome == together.outcome
@@ -124,12 +124,22 @@ def test_a_body_that_has_lain_on_its_side_does_not_come_back():
     assert Outcome.OVERTURNED_NO_IMPACT in outcomes
 
 
-@pytest.mark.parametrize("dt", [1e-3, 2e-4, 1e-5])
-@pytest.mark.parametrize("equation", [LinearEquation(), RigidBodyEquation(ALPHA)])
+@pytest.mark.parametrize(
+    ("equation", "dt"),
+    [
+        (LinearEquation(), 1e-5),
+        (RigidBodyEquation(ALPHA), 2e-4),
+        *(
+            pytest.param(equation, dt, marks=pytest.mark.soak)
+            for equation in (LinearEquation(), RigidBodyEquation(ALPHA))
+            for dt in (1e-3, 2e-4, 1e-5)
+        ),
+    ],
+)
 def test_series_of_few_terms_over_short_steps(equation, dt):
     motion = motion_of_samples(noise(60, 0.06, 3).repeat(5), dt)
     system = System(equation)
-    cells = system.least_uplift(motion) * np.array([1.01, 1.5, 6.0, 40.0]), 1.0, 0.8
+    cells = system.least_uplift(motion) * np.array([1.01, 6.0]), 1.0, 0.8
     alone, together = (
         response_alone(system, motion, *cells),
         response(system, motion, *cells),
@@ -144,7 +154,7 @@ def test_series_of_few_terms_over_short_steps(equation, dt):
     [
         motion_of_samples(noise(60, 0.06, 3), 0.06),
         pytest.param(sine(2), marks=pytest.mark.soak),
-        cosine(),
+        pytest.param(cosine(), marks=pytest.mark.soak),
     ],
     ids=["record", "sine", "cosine"],
 )

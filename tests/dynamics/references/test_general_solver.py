@@ -56,7 +56,7 @@ def test_the_check_of_nonlinear_sweeps_is_itself_right():
     random = np.random.default_rng(1)
     draw = np.array(
         [
-            random.uniform(a, b, 30)
+            random.uniform(a, b, 12)
             for a, b in ((0.9, 12), (0.5, 12), (0.5, 1), (0.05, 0.6))
         ]
     ).T.tolist()
@@ -78,7 +78,7 @@ def test_the_check_of_linear_sweeps_equals_fifty_digits():
         )
 
 
-@settings(max_examples=30)
+@settings(max_examples=12)
 @given(
     st.floats(0.5, 20),
     st.floats(0.2, 20),

@@ -5,7 +5,6 @@ outcomes that a remaining force decides.
 from __future__ import annotations
 
 import math
-from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -57,9 +56,7 @@ def marched(text, motion, a_g, period, method=EXACT, damping=""):
     ("a_g", "period", "release", "one_sided", "keys"),
     [
         (0.3, 0.8, 0.0, True, {"stiffness": 0.0, "prestress": 1e-9}),
-        (1.0, 0.8, 0.0, True, {}),
         (0.6, 0.5, 0.0, True, {"yield": 20e3}),
-        (1.0, 0.8, 0.0, True, {"yield": 20e3}),
         (0.9, 0.8, 0.0, False, {"yield": 15e3, "behind": 0.4, "ultimate": 0.9}),
         (0.0, 0.8, 0.5, False, {}),
     ],
@@ -252,7 +249,7 @@ def cases():
 @pytest.mark.parametrize(
     ("text", "devices", "damping", "a_g", "period", "sign"),
     [
-        pytest.param(*case, marks=[pytest.mark.soak] * (i > 9))
+        pytest.param(*case, marks=[pytest.mark.soak] * (i > 4))
         for i, case in enumerate(cases())
     ],
 )
@@ -337,122 +334,6 @@ def test_a_tie_without_force_is_the_free_body_to_the_bit():
         check(held, sine(), parse_grid("a_g=0.3g,T_g=0.8")).row()
         == check(free, sine(), parse_grid("a_g=0.3g,T_g=0.8")).row()
     )
-
-
-@pytest.mark.slow
-def test_a_vanishing_tie_tends_to_the_free_body_which_is_marched_otherwise():
-    grid = parse_grid("a_g=0.05g:1g:16,T_g=0.3:2:4")
-    for text in (
-        WALL,
-        WALL.replace("true", "false"),
-        WALL + "damping: 0.04\n",
-        (
-            "kind: rigid\nleft: 0.42\nright: 0.31\nheight: 1.15\n"
-            "gyration: 0.68\nmass: 2 t\n"
-        ),
-    ):
-        free, held = (
-            built(text),
-            built(text + "ties: [{height: 1, stiffness: 0, prestress: 1e-11 N}]"),
-        )
-        for method in (EXACT, LINEAR):
-            cells = (*np.meshgrid(*grid.scaled(free)), free.eta)
-            one, other = (
-                response(method.system_of(s), sine(2), *cells) for s in (free, held)
-            )
-            assert (
-                one.outcome == other.outcome
-            ).mean() > 0.98  # on a boundary the last digits decide
-            same = (one.outcome == other.outcome) & np.isfinite(one.theta_ratio)
-            apart = np.abs(one.theta_ratio - other.theta_ratio)[same]
-            assert np.median(apart) < 1e-11
-            assert np.quantile(apart, 0.98) < 1e-7
-
-
-def test_a_stiff_tie_of_a_yield_tends_to_a_constant_force():
-    ratios = []
-    for stiffness in (1e8, 1e9, 1e10):
-        _, found = marched(
-            WALL + f"ties: [{{height: 5.5, stiffness: {stiffness}, yield: 8 kN}}]",
-            OUTWARDS,
-            0.5,
-            0.8,
-        )
-        ratios.append(found.theta_ratio[0])
-    _, constant = marched(
-        WALL + "ties: [{height: 5.5, stiffness: 0, prestress: 8 kN}]",
-        OUTWARDS,
-        0.5,
-        0.8,
-    )
-    apart = [abs(ratio - constant.theta_ratio[0]) for ratio in ratios]
-    assert apart[1] < 0.2 * apart[0]
-    assert apart[2] < 0.2 * apart[1]
-    assert apart[2] < 1e-4
-
-
-@pytest.mark.parametrize(
-    "text",
-    [
-        WALL + YIELDING,
-        WALL.replace("true", "false")
-        + TIE % ", yield: 15 kN, behind: 0.4, ultimate: 90 cm",
-    ],
-)
-def test_the_energy_is_balanced_with_the_plastic_work(text):
-    """Kinetic energy, weight and springs between uplift and the first impact, against
-    the work of the ground.
-    """
-    period, a_g = 0.8, 0.9
-    body = built(text)
-    found = time_history(
-        body,
-        OUTWARDS,
-        parse_grid(f"a_g={a_g}g,T_g={period}"),
-        [Method("nonlinear", 1e-13)],
-    ).histories["nonlinear"]
-    (tie,) = body.restraints.ties
-    begin, end = (
-        next(e.tau for e in found.events if e.event == word)
-        for word in ("uplift", "impact")
-    )
-    marks = [begin, *(e.tau for e in found.events if begin < e.tau < end), end]
-    marks = np.unique(
-        [*marks, *found.steps()[(found.steps() > begin) & (found.steps() < end)]]
-    )
-    nodes, weights = np.polynomial.legendre.leggauss(20)
-    ground = elastic = plastic = 0.0
-    permanent = next((e for e in found.events if e.event == "unloading"), None)
-    for low, high in pairwise(marks):
-        tau = low + 0.5 * (high - low) * (nodes + 1)
-        ratio, rate = found.at(tau)
-        theta, speed = ALPHA * ratio, ALPHA * rate * body.p
-        push = (
-            a_g
-            * G
-            * np.sin(2 * np.pi / period * tau / body.p)
-            * (tau / body.p < period)
-        )
-        ground += (
-            0.5
-            * (high - low)
-            / body.p
-            * np.sum(weights * MASS * push * RADIUS * np.cos(ALPHA - theta) * speed)
-        )
-    top = ALPHA * permanent.theta_ratio
-    u = tie.behind * (1 - math.cos(top)) + tie.height * math.sin(top)
-    stretched = u - (tie.yield_force - tie.prestress) / tie.stiffness
-    plastic = tie.yield_force * stretched
-    left = (
-        max(0.0, tie.prestress - tie.stiffness * stretched) ** 2 / (2 * tie.stiffness)
-        if tie.stiffness
-        else 0.0
-    )
-    elastic = left - tie.prestress**2 / (2 * tie.stiffness)
-    speed = ALPHA * body.p * next(e.rate for e in found.events if e.event == "impact")
-    kinetic = 0.5 * 4 / 3 * MASS * RADIUS**2 * speed**2
-    assert found.devices[0]["permanent"] >= stretched * (1 - 1e-12)
-    assert ground == pytest.approx(kinetic + plastic + elastic, rel=1e-10)
 
 
 BLOCK = "kind: block\nwidth: 1\nheight: 5\ngravity: 9.8\nmass: 2551.0204081632653\n"
@@ -598,19 +479,19 @@ def test_a_body_that_a_tie_presses_to_the_ground_comes_to_rest_at_once():
 
 
 def test_bouncing_that_is_summed_ends_as_it_does_impact_by_impact(monkeypatch):
-    # Lemma 7 of a body that its tendon holds to seven times m g R sin(alpha); eta 0.7,
+    # Lemma 7 of a body that its tendon holds to seven times m g R sin(alpha); eta 0.6,
     # so that each bounce can be followed.
     body = built(BLOCK + TENDON)
     system = Method("nonlinear").system_of(body)
     cells = (
-        system.least_uplift(sine()) * np.array([1.02, 1.3, 1.8]),
-        np.array([3.0, 5.0, 8.0]),
+        system.least_uplift(sine()) * np.array([1.02]),
+        np.array([3.0]),
     )
-    summed = response(system, sine(), *cells, 0.7)
+    summed = response(system, sine(), *cells, 0.6)
     monkeypatch.setattr(
         Bounces, "end", lambda self, lanes: np.zeros(lanes.cell.size, dtype=bool)
     )
-    marched = response(system, sine(), *cells, 0.7)
+    marched = response(system, sine(), *cells, 0.6)
     assert marched.work.steps > 5 * summed.work.steps
     np.testing.assert_array_equal(marched.outcome, summed.outcome)
     np.testing.assert_allclose(marched.theta_ratio, summed.theta_ratio, rtol=1e-10)
@@ -677,100 +558,35 @@ def test_the_change_of_the_capacity_names_its_restraints(names, first, words):
 
 
 @pytest.mark.parametrize(
-    ("a_g", "tie", "told"),
+    ("a_g", "tie", "a_max", "told"),
     [
-        (0.3, YIELDING, True),  # elastic: it yields at the capacity of 1.34 g
-        pytest.param(1.0, YIELDING, True, marks=pytest.mark.soak),
-        (0.3, TIE % ", yield: 20 kN, ultimate: 50 cm", False),
-        (0.3, ELASTIC, False),
+        (0.3, YIELDING, 20.0, True),  # elastic: it yields at the capacity of 1.34 g
+        (1.0, YIELDING, None, True),
+        (1.0, TIE % ", yield: 20 kN, ultimate: 50 cm", None, False),
+        (1.0, ELASTIC, None, False),
     ],
 )
-def test_check_says_that_a_yielding_tie_never_breaks(a_g, tie, told):
+def test_check_says_that_a_yielding_tie_never_breaks(a_g, tie, a_max, told):
     """As its capacity may count on any elongation."""
     demand = parse_grid(f"a_g={a_g}g,T_g=0.8")
-    verdict = check(built(WALL + tie), OUTWARDS, demand)
+    verdict = check(built(WALL + tie), OUTWARDS, demand, a_max=a_max)
     said = devices_in_words(
         verdict.devices, verdict.first_overturning_a, verdict.first_overturning_a_free
     )
     assert any("tie 1 never breaks in this model" in line for line in said) is told
 
 
-def test_the_ground_is_lost_where_another_integration_says():
-    """The event stands where the vertical force of the ground on this square block
-    vanishes.
+def lost_at(body_height, height, mass, stiffness, alpha, a_g, f_g):
+    """(t [s], u) at which the ground is lost below a block with one tie at its top of
+    this height, by an integration of its first arc that shares no code.
     """
-    body = built(
-        "kind: block\nwidth: 2\nheight: 2\nmass: 8000\nties: [{height: 1.8, stiffness:"
-        " 2e5, side: both}]\n"
-    )
-    events = (
-        time_history(body, sine(), parse_grid("a_g=3g,f_g=1.5"), [EXACT])
-        .histories["nonlinear"]
-        .events
-    )
-    (event,) = (e for e in events if e.event == "lost contact")
-    omega, radius, alpha = 3.0 * math.pi, math.sqrt(2.0), math.pi / 4
-
-    def acceleration(t, u):
-        pull = 2e5 * 1.8 * np.sin(u) * 1.8 * np.cos(u) / (8000.0 * G * radius)
-        return (
-            0.75
-            * G
-            / radius
-            * (3.0 * np.sin(omega * t) * np.cos(alpha - u) - np.sin(alpha - u) - pull)
-        )
-
-    def ground(t, state):
-        return G + radius * (
-            acceleration(t, state[0]) * np.sin(alpha - state[0])
-            - state[1] ** 2 * np.cos(alpha - state[0])
-        )
-
-    ground.terminal = True
-    found = solve_ivp(
-        lambda t, s: (s[1], acceleration(t, s[0])),
-        (math.asin(1.0 / 3.0) / omega, 1.0),
-        (0.0, 0.0),
-        "DOP853",
-        events=ground,
-        rtol=1e-12,
-        atol=1e-14,
-    )
-    assert event.tau / body.p == pytest.approx(found.t_events[0][0], abs=1e-11)
-    assert -event.theta_ratio * alpha == pytest.approx(
-        found.y_events[0][0][0], abs=1e-11
-    )
-    cells = (
-        body.dimensionless_amplitude(np.array([1.4, 3.0]) * G),
-        omega / body.p,
-        body.eta,
-    )
-    swept = response(EXACT.system_of(body), sine(), *cells)
-    assert swept.outcome.tolist() == [Outcome.ROCKED, Outcome.LOST_CONTACT]
-    assert np.isnan(swept.theta_ratio).tolist() == [False, True]
-
-
-def test_the_ground_is_lost_in_a_fall_where_another_integration_says():
-    """A tall wall under a weak tie overturns within half a cycle; the vertical force of
-    the ground vanishes on its way. `check` says so.
-    """
-    body = built(
-        "kind: block\nwidth: 0.6\nheight: 6\nmass: 7200\nties: [{height: 6,"
-        " stiffness: 2e3, side: both}]\n"
-    )
-    demand = "a_g=4g,f_g=1"
-    history = time_history(body, sine(), demand, [EXACT]).histories["nonlinear"]
-    assert history.outcome == Outcome.OVERTURNED_NO_IMPACT
-    assert check(body, sine(), demand, a_max=None).lost_in_fall
-    omega, radius = 2.0 * math.pi, math.hypot(0.3, 3.0)
-    alpha = math.atan(0.1)
+    omega, radius = 2.0 * math.pi * f_g, 0.5 * body_height / math.cos(alpha)
 
     def acceleration(t, u):
         # stretch of the tie, h sin u, on the lever h cos u
-        pull = 2e3 * 6.0 * np.sin(u) * 6.0 * np.cos(u) / (7200.0 * G * radius)
-        push = 4.0 * np.sin(omega * t)
-        turning = push * np.cos(alpha - u) - np.sin(alpha - u) - pull
-        return 0.75 * G / radius * turning
+        pull = stiffness * height**2 * np.sin(u) * np.cos(u) / (mass * G * radius)
+        push = a_g * np.sin(omega * t) * np.cos(alpha - u)
+        return 0.75 * G / radius * (push - np.sin(alpha - u) - pull)
 
     def ground(t, state):
         z = alpha - state[0]
@@ -780,11 +596,48 @@ def test_the_ground_is_lost_in_a_fall_where_another_integration_says():
     ground.terminal = True
     found = solve_ivp(
         lambda t, s: (s[1], acceleration(t, s[0])),
-        (math.asin(0.1 / 4.0) / omega, 1.0),
+        (math.asin(math.tan(alpha) / a_g) / omega, 1.0),
         (0.0, 0.0),
         "DOP853",
         events=ground,
         rtol=1e-12,
         atol=1e-14,
     )
-    assert history.lost / body.p == pytest.approx(found.t_events[0][0], abs=1e-9)
+    return found.t_events[0][0], found.y_events[0][0][0]
+
+
+def test_the_ground_is_lost_where_another_integration_says():
+    """The event stands where the vertical force of the ground on this square block
+    vanishes.
+    """
+    tie = "ties: [{height: 1.8, stiffness: 2e5, side: both}]"
+    body = built(f"kind: block\nwidth: 2\nheight: 2\nmass: 8000\n{tie}\n")
+    grid = parse_grid("a_g=3g,f_g=1.5")
+    events = time_history(body, sine(), grid, [EXACT]).histories["nonlinear"].events
+    (event,) = (e for e in events if e.event == "lost contact")
+    at, turned = lost_at(2.0, 1.8, 8000.0, 2e5, math.pi / 4, 3.0, 1.5)
+    assert event.tau / body.p == pytest.approx(at, abs=1e-11)
+    assert -event.theta_ratio * math.pi / 4 == pytest.approx(turned, abs=1e-11)
+    swept = response(
+        EXACT.system_of(body),
+        sine(),
+        body.dimensionless_amplitude(np.array([1.4, 3.0]) * G),
+        3.0 * math.pi / body.p,
+        body.eta,
+    )
+    assert swept.outcome.tolist() == [Outcome.ROCKED, Outcome.LOST_CONTACT]
+    assert np.isnan(swept.theta_ratio).tolist() == [False, True]
+
+
+def test_the_ground_is_lost_in_a_fall_where_another_integration_says():
+    """A tall wall under a weak tie overturns within half a cycle; the vertical force of
+    the ground vanishes on its way. `check` says so.
+    """
+    tie = "ties: [{height: 6, stiffness: 2e3, side: both}]"
+    body = built(f"kind: block\nwidth: 0.6\nheight: 6\nmass: 7200\n{tie}\n")
+    demand = "a_g=4g,f_g=1"
+    history = time_history(body, sine(), demand, [EXACT]).histories["nonlinear"]
+    assert history.outcome == Outcome.OVERTURNED_NO_IMPACT
+    assert check(body, sine(), demand, a_max=None).lost_in_fall
+    at, _ = lost_at(6.0, 6.0, 7200.0, 2e3, math.atan(0.1), 4.0, 1.0)
+    assert history.lost / body.p == pytest.approx(at, abs=1e-9)
