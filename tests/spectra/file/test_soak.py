@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import collections
 import random
+import signal
 import subprocess
 import time
 from pathlib import Path
@@ -162,7 +163,7 @@ def overwritten(data: bytearray, i: int, chance: random.Random) -> bytearray:
 
 @pytest.mark.parametrize("which", ["finished", "left"])
 @pytest.mark.parametrize("damage", [flipped, overwritten])
-@pytest.mark.parametrize("tries", [6, pytest.param(600, marks=pytest.mark.soak)])
+@pytest.mark.parametrize("tries", [12, pytest.param(600, marks=pytest.mark.soak)])
 def test_damaged_files_are_refused_and_never_give_another_number(
     which, damage, tries, request, table
 ):
@@ -264,3 +265,96 @@ def test_races_on_one_output(tmp_path, table, race):
             )
         ] += 1
     table(f"races of {race}", counts)
+
+
+@pytest.mark.soak
+def test_kills_and_resumes(tmp_path, table):
+    chance, counts = random.Random(17), collections.Counter()
+    call = [
+        *SWEEP,
+        "--grid",
+        "A=0.5:12:800,Omega=0.5:12:800",
+        "--chunk",
+        "5000",
+        "--resume",
+    ]
+    began = time.perf_counter()
+    subprocess.run([*call, "-o", "whole.h5"], cwd=tmp_path, check=True)
+    usual, whole = time.perf_counter() - began, numbers(tmp_path / "whole.h5")
+    for _ in range(50):
+        process = subprocess.Popen(
+            [*call, "-o", "cut.h5"], cwd=tmp_path, stderr=subprocess.PIPE, text=True
+        )
+        time.sleep(chance.uniform(0.1, 1.0) * usual)
+        process.send_signal(signal.SIGKILL)
+        said = process.communicate()[1]
+        if (tmp_path / "cut.h5").exists():
+            counts[
+                (
+                    "finished, the same"
+                    if numbers(tmp_path / "cut.h5").chunks == whole.chunks
+                    else "BAD"
+                )
+            ] += 1
+            for name in ("cut.h5", "cut.h5.part"):
+                (tmp_path / name).unlink(missing_ok=True)
+        else:
+            counts[
+                (
+                    "killed"
+                    if process.returncode == -signal.SIGKILL and not said
+                    else "BAD"
+                )
+            ] += 1
+    table("kills and resumes", counts)
+
+
+@pytest.mark.soak
+def test_full_disks(tmp_path, table):
+    """A limit on the length of files, at every place: in the layout nothing is left,
+    behind it the part goes on to the same.
+    """
+    counts = collections.Counter()
+    subprocess.run([*SWEEP, *SCENE, "-o", "whole.h5"], cwd=tmp_path, check=True)
+    whole, size = (
+        numbers(tmp_path / "whole.h5"),
+        (tmp_path / "whole.h5").stat().st_size // 1024,
+    )
+    part, output = tmp_path / "cut.h5.part", tmp_path / "cut.h5"
+    for limit in [*range(1, 30, 5), *range(30, size + 150, 12)]:
+        call = [
+            "bash",
+            "-c",
+            f'ulimit -f {limit}; PYTHONDONTWRITEBYTECODE=1 exec "$@"',
+            "-",
+            *SWEEP,
+            *SCENE,
+            "-o",
+            "cut.h5",
+        ]
+        done = subprocess.run(
+            call, cwd=tmp_path, capture_output=True, text=True, check=False
+        )
+        full = (
+            done.returncode == 1
+            and len(done.stderr.splitlines()) == 1
+            and "cannot be written: File too large" in done.stderr
+        )
+        if full and not part.exists():
+            counts["nothing left"] += 1
+            continue
+        if full:
+            subprocess.run(
+                [*SWEEP, *SCENE, "-o", "cut.h5", "--resume"], cwd=tmp_path, check=False
+            )
+        same = (
+            (full or done.returncode == 0)
+            and output.exists()
+            and numbers(output).chunks == whole.chunks
+        )
+        counts[
+            "BAD" if not same else "kept and went on to the same" if full else "fits"
+        ] += 1
+        output.unlink(missing_ok=True)
+        part.unlink(missing_ok=True)
+    table("full disks", counts)
