@@ -6,42 +6,42 @@ offers are checked.
 """
 
 import os
+import reprlib
 import types
 import typing
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from functools import cache, wraps
-from inspect import Parameter, Signature, signature
+from inspect import BoundArguments, Parameter, Signature, signature
 from itertools import islice
 from numbers import Integral, Real
 from pathlib import Path
 from typing import Any
 
-from .errors import ArgumentError, RockingError, counted, did_you_mean
+from .errors import ArgumentError, RockingError, did_you_mean
 
 _MOST_ITEMS = 10_000  # number of items of a list that are checked
-# The functions that return what another one takes.
-_MADE = {
-    "RockingParameters": "load_structures",
-    "Document": "read_documents",
-    "Motion": "sine, pulse, read_motion",
-    "HasMotion": "read_record, load_records, or Record.of for an array",
-    "Record": "read_record",
-    "Recording": "load_records",
-    "Grid": "parse_grid",
-    "HazardCurve": "read_hazard",
-    "SpectrumFile": "read_spectrum",
-    "Variation": "parse_variation",
-    "Verdict": "check",
-    "CodeCheck": "code_check",
-    "Fit": "fragility",
-}
-_PLAIN = {
-    float: "a number",
-    int: "a whole number",
-    bool: "True or False",
-    str: "a text",
-    type(None): "None",
-    dict: "a dictionary",
+# types in words, with the functions that make what another one takes
+_WORDS = {
+    "float": "a number",
+    "int": "a whole number",
+    "bool": "True or False",
+    "str": "a text",
+    "NoneType": "None",
+    "ndarray": "an array of numbers",
+    "RockingParameters": "RockingParameters (see load_structures)",
+    "Document": "a Document (see read_documents)",
+    "Motion": "a Motion (see sine, pulse, read_motion)",
+    "HasMotion": "a Record or Recording (see read_record, load_records, Record.of)",
+    "Record": "a Record (see read_record)",
+    "Recording": "a Recording (see load_records)",
+    "Grid": "a Grid (see parse_grid)",
+    "HazardCurve": "a HazardCurve (see read_hazard)",
+    "SpectrumFile": "a SpectrumFile (see read_spectrum)",
+    "Variation": "a Variation (see parse_variation)",
+    "Verdict": "a Verdict (see check)",
+    "CodeCheck": "a CodeCheck (see code_check)",
+    "Fit": "a Fit (see fragility)",
 }
 
 
@@ -57,33 +57,18 @@ def checked(
 
     @wraps(function)
     def wrapper(*args: Any, **kwargs: Any) -> Any:
-        try:
-            bound = of.bind(*args, **kwargs)
-        except TypeError as error:
-            raise ArgumentError(f"{name}: {_in_words(str(error), of)}") from None
+        bound = _bound(name, of, args, kwargs)
         for argument, given in bound.arguments.items():
-            value = bound.arguments[argument] = _kept(given, hints().get(argument))
-            kind = of.parameters[argument].kind
-            needed = of.parameters[argument].default is Parameter.empty
-            if kind is Parameter.VAR_KEYWORD:
-                _check_keywords(name, hints().get(argument, Any), value)
+            parameter, hint = of.parameters[argument], hints().get(argument, Any)
+            value = bound.arguments[argument] = _kept(given, hint)
+            if parameter.kind is Parameter.VAR_KEYWORD:
+                _check_keywords(name, hint, value)
             elif (
-                kind is not Parameter.VAR_POSITIONAL
-                and value is not of.parameters[argument].default
+                parameter.kind is not Parameter.VAR_POSITIONAL
+                and value is not parameter.default
             ):
-                _check(name, argument, hint := hints().get(argument, Any), value)
-                if (
-                    needed
-                    and isinstance(value, list | tuple)
-                    and not value
-                    and any(
-                        typing.get_origin(one) is Sequence for one in _options(hint)
-                    )
-                ):
-                    raise ArgumentError(
-                        f"{name}: `{argument}`: found an empty {type(value).__name__};"
-                        f" expected {_wanted(hint)}"
-                    )
+                needed = parameter.default is Parameter.empty
+                _check(name, argument, hint, value, needed)
         return function(*bound.args, **bound.kwargs)
 
     wrapper.__module__, wrapper.__qualname__ = package, name
@@ -119,21 +104,12 @@ def _blame(
     kwargs: Mapping[str, Any],
 ) -> None:
     """Raise ArgumentError for an argument that does not fit its annotation."""
-    try:
-        bound = of.bind(*args, **kwargs)
-    except TypeError as error:
-        raise ArgumentError(f"{name}: {_in_words(str(error), of)}") from None
-    for argument, value in bound.arguments.items():
+    for argument, value in _bound(name, of, args, kwargs).arguments.items():
         one = {argument: make.__annotations__.get(argument, Any)}
-        try:
-            hint = typing.get_type_hints(
-                types.SimpleNamespace(__annotations__=one),
-                make.__globals__,
-                _Names(public),
-            )[argument]
-        except KeyError:  # a type that is not public
-            continue
-        _check(name, argument, hint, value)
+        holder = types.SimpleNamespace(__annotations__=one)
+        with suppress(KeyError):  # a type that is not public
+            hints = typing.get_type_hints(holder, make.__globals__, _Names(public))
+            _check(name, argument, hints[argument], value)
 
 
 class _Names(dict[str, Any]):
@@ -147,13 +123,19 @@ class _Names(dict[str, Any]):
         return self.public[name]
 
 
-def _in_words(said: str, of: Signature) -> str:
-    """Return the text of Python's TypeError with the accepted names."""
+def _bound(
+    name: str, of: Signature, args: Sequence[Any], kwargs: Mapping[str, Any]
+) -> BoundArguments:
+    """Return the arguments by name. Raises ArgumentError, with the accepted names, for
+    one too many or too few.
+    """
+    try:
+        return of.bind(*args, **kwargs)
+    except TypeError as error:
+        said = str(error)
     word = said.partition("unexpected keyword argument '")[2].partition("'")[0]
-    return (
-        f"{said}{did_you_mean(word, of.parameters) if word else ''}; expected"
-        f" {', '.join(of.parameters)}"
-    )
+    hint = did_you_mean(word, of.parameters) if word else ""
+    raise ArgumentError(f"{name}: {said}{hint}; expected {', '.join(of.parameters)}")
 
 
 def check_choices(name: str, choices: Any, given: Mapping[str, Any]) -> None:
@@ -197,25 +179,18 @@ def _kept(value: Any, hint: Any) -> Any:
     return list(value) if once else value
 
 
-def _check(name: str, argument: str, hint: Any, value: Any) -> None:
-    if not _fits(value, hint):
-        raise ArgumentError(
-            f"{name}: `{argument}`: found {_found(value, hint)}; expected"
-            f" {_wanted(hint)}{_instead(argument, hint, value)}"
-        )
-
-
-def _instead(argument: str, hint: Any, value: Any) -> str:
-    """Return what to write where one thing stands for a list of them, or a list for
-    one.
+def _check(
+    name: str, argument: str, hint: Any, value: Any, needed: bool = False
+) -> None:
+    """Raise ArgumentError for a value that may not stand where the annotation is
+    `hint`; needed: True refuses an empty list too.
     """
-    if not isinstance(value, str | Path) and any(
-        _is_list(one) and _fits([value], one) for one in _options(hint)
-    ):
-        return f"; write [{argument}]"
-    if isinstance(value, list | tuple) and value and _fits(value[0], hint):
-        return f"; write {argument}[0]"
-    return ""
+    empty = needed and isinstance(value, list | tuple) and not value
+    lists = any(typing.get_origin(one) is Sequence for one in _options(hint))
+    if (empty and lists) or not _fits(value, hint):
+        raise ArgumentError(
+            f"{name}: `{argument}`: found {_found(value)}; expected {_wanted(hint)}"
+        )
 
 
 def _options(hint: Any) -> tuple[Any, ...]:
@@ -240,7 +215,7 @@ def _is_list(hint: Any) -> bool:
 def _fits(value: Any, hint: Any) -> bool:
     """True if a value may stand where the annotation is `hint`."""
     origin, inner = typing.get_origin(hint), typing.get_args(hint)
-    if isinstance(value, str | Path) and _wrong_character(str(value)):
+    if isinstance(value, str | Path) and not _is_written(str(value)):
         return False
     if hint is Any or isinstance(hint, typing.TypeVar | str):
         return True
@@ -303,15 +278,15 @@ def _is_too_large(value: Any) -> bool:
     return False
 
 
-def _wrong_character(text: str) -> str:
-    """Return what no name of a file and no document holds, in words; empty without."""
-    if "\0" in text:
-        return "a NUL character"
+def _is_written(text: str) -> bool:
+    """True for a text that a document or the name of a file can hold: not a NUL
+    character, nor half a character.
+    """
     try:
         os.fsencode(text)
     except UnicodeEncodeError:
-        return "half a character (a lone surrogate)"
-    return ""
+        return False
+    return "\0" not in text
 
 
 def _is_numeric(value: Any) -> bool:
@@ -324,103 +299,25 @@ def _is_numeric(value: Any) -> bool:
         return False
 
 
-def _found(value: Any, hint: Any) -> str:
+def _found(value: Any) -> str:
     """Return what was given, in words."""
-    if isinstance(value, str | Path) and (character := _wrong_character(str(value))):
-        return f"a text with {character}"
-    if isinstance(value, str):
-        return f"the text {value[:60]!r}"
-    if value is None or isinstance(value, bool):
-        return repr(value)
-    if isinstance(value, Real):
-        large = _is_too_large(value)
-        return "a number beyond double precision" if large else f"the number {value}"
-    if isinstance(value, type):
-        return f"the class {value.__name__}"
-    if isinstance(value, list | tuple):
-        inner = next(
-            (
-                typing.get_args(one)[0]
-                for one in _options(hint)
-                if _is_list(one) and typing.get_args(one)
-            ),
-            Any,
-        )
-        wrong = next(
-            (one for one in value[:_MOST_ITEMS] if not _fits(one, inner)), None
-        )
-        begun = f"a {type(value).__name__} of {counted(len(value), 'item')}"
-        return (
-            begun
-            if wrong is None and None not in value
-            else f"a {type(value).__name__} with {_found(wrong, Any)} in it"
-        )
-    word = (
-        "a dictionary"
-        if isinstance(value, Mapping)
-        else "a path"
-        if isinstance(value, Path)
-        else ""
-    )
+    if isinstance(value, Real) and _is_too_large(value):
+        return "a number beyond double precision"
+    if isinstance(value, str | Path | Real | None):
+        return reprlib.repr(value)
     kind = type(value).__name__
-    return word or (
-        "a function"
-        if isinstance(value, types.FunctionType)
-        else f"{'an' if kind[0] in 'AEIOUaeiou' else 'a'} {kind}"
-    )
+    if isinstance(value, list | tuple):
+        kinds = dict.fromkeys(type(one).__name__ for one in value)
+        return f"a {kind} of {', '.join(kinds) or 'nothing'}"
+    return f"a {kind}"
 
 
 def _wanted(hint: Any) -> str:
     """Return what fits an annotation, in words."""
-    if hint is Any:
-        return "another value"
-    options = _options(hint)
-    if {str, Path} <= set(options):
-        rest = [one for one in options if one not in (str, Path)]
-        pulse = any(getattr(one, "__name__", "") == "Motion" for one in rest)
-        path = f"{'the name of a pulse or ' * pulse}a path (a text or a Path)"
-        return " or ".join([path, *map(_wanted, rest)])
+    options, inner = _options(hint), typing.get_args(hint)
     if len(options) > 1:
         return " or ".join(dict.fromkeys(map(_wanted, options)))
-    if hint in _PLAIN:
-        return _PLAIN[hint]
-    origin, inner = typing.get_origin(hint), typing.get_args(hint)
-    if origin is Callable:
-        return "a function"
-    if origin is tuple:
-        return f"a tuple of ({', '.join(map(_wanted, inner))})"
-    if isinstance(origin, type) and issubclass(origin, Mapping):
-        return "a dictionary"
-    if _is_list(hint):
-        return f"a list of {_many(inner[0])}" if inner else "a list"
-    named = _named(hint)
-    return (
-        "an array of numbers"
-        if named == "ndarray"
-        else f"{'an' if named[0] in 'AEIOU' else 'a'} {named}"
-    )
-
-
-def _many(hint: Any) -> str:
-    """Return what fits an annotation, in words for several."""
-    options = _options(hint)
-    if {str, Path} <= set(options):
-        return "paths"
-    if len(options) > 1:
-        return " or ".join(dict.fromkeys(map(_many, options)))
-    return {float: "numbers", int: "whole numbers", str: "texts"}.get(hint) or _named(
-        hint
-    )
-
-
-def _named(hint: Any) -> str:
-    """Return the name of a type, with the public function that makes such an object
-    where there is one: `Motion (see read_motion)`.
-    """
-    options = _options(hint)
-    if len(options) > 1 or hint in _PLAIN or typing.get_origin(hint):
-        return _wanted(hint)
-    kind = {"HasMotion": "Record or Recording"}.get(hint.__name__, hint.__name__)
-    return (
-        f"{kind} (see {_MADE[hint.__name__]})" if hint.__name__ in _MADE else str(kind)
-    )
+    if inner and _is_list(hint):
+        return f"a list, each item {_wanted(inner[0])}"
+    name = getattr(typing.get_origin(hint) or hint, "__name__", str(hint))
+    return _WORDS.get(name, name)

@@ -54,8 +54,7 @@ class ArgumentError(UsageError, TypeError, ValueError):
     >>> parse_grid(3)
     Traceback (most recent call last):
         ...
-    rocking_cli.errors.ArgumentError: parse_grid: `text`: found the number 3; expected a
-    text
+    rocking_cli.errors.ArgumentError: parse_grid: `text`: found 3; expected a text
     """
 
 

@@ -221,7 +221,7 @@ def test_a_motion_may_be_the_name_of_a_pulse_and_a_record_its_path():
         ("site.at2", "site.at2: cannot be read: No such file"),
         ("{points: [[0, 1]]}", "<text>:1:10: points: found 1 entries"),
         ("configs/block.yaml", "found a structure, of kind block"),
-        (3.0, "found the number 3.0; expected the name of a pulse or a path"),
+        (3.0, "found 3.0; expected a Motion"),
     ],
 )
 def test_a_wrong_motion_is_told_in_one_sentence(motion, said):
