@@ -17,7 +17,6 @@ from .mechanics.assembly import (
     MechanismFault,
     PlanarBody,
 )
-from .mechanics.linkage import Linkage
 from .mechanics.linkage_drawing import load_arrows
 from .mechanics.mechanism_side import MechanismSide
 from .mechanics.moments import BOTH
@@ -203,7 +202,7 @@ def _mechanism(document: Document, body: RigidBody, mass: float) -> PlanarMechan
         _require_standing(document, whole, pivot, bearing, name)
         assembly = Assembly((whole,), bearing)
         joints = (Hinge((GROUND, BODY), pivot),)
-        sides.append(MechanismSide(Linkage(assembly, joints, BODY)))
+        sides.append(MechanismSide(assembly, joints, BODY))
     one_sided = document.flag("one_sided")
     return PlanarMechanism(sides[0], None if one_sided else sides[1], False)
 

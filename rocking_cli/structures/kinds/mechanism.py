@@ -261,6 +261,5 @@ def sketch(document: Document, built: RockingParameters) -> Sketch:
         right, left = linkages_of(built)
     else:  # one rigid body
         found = _found(document, built.gravity)
-        right = found.right.linkage
-        left = found.left.linkage if found.left else None
+        right, left = found.right, found.left
     return drawn(built, right, left, axis=document.optional("axis"))

@@ -22,7 +22,6 @@ from typing import NamedTuple
 
 from ..sketch import rectangle
 from .assembly import GROUND, Assembly, Hinge, Joint, Load, PlanarBody, Slide
-from .linkage import Linkage
 from .mechanism_side import MechanismSide
 from .planar_mechanism import PlanarMechanism
 
@@ -92,4 +91,4 @@ class HeldWall(NamedTuple):
             Hinge((LOWER, UPPER), (-face, crack)),
             Slide(UPPER, (*on_top, (face, self.height))[0]),
         )
-        return MechanismSide(Linkage(Assembly(bodies, placed), joints, LOWER))
+        return MechanismSide(Assembly(bodies, placed), joints, LOWER)

@@ -29,7 +29,7 @@ def remarks_on(
     for row in joints:
         if "hinge" in row and (text := _on_onset(row, friction)):
             yield text
-    if not JointForces(side.linkage, 1.0).unique:
+    if not JointForces(side, 1.0).unique:
         yield (
             "the forces at the joints are not unique (more than two columns); none are"
             " printed."
@@ -76,7 +76,7 @@ def _on_sliding(
 
 
 def _on_hardening(side: MechanismSide) -> list[str]:
-    if side.single or not side.linkage.lift_slope(0.0) > 0.0:
+    if side.single or not side.lift_slope(0.0) > 0.0:
         return []
     return [
         "the weight's resistance grows with the rotation at first: lambda is not the"

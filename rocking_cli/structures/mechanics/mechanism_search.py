@@ -10,6 +10,7 @@ from dataclasses import replace
 
 from .assembly import Assembly, Hinge, Joint, MechanismFault, Slide, mirror_image
 from .linkage import Linkage
+from .mechanism_side import MechanismSide
 from .statics import Governing, Statics, bodies_alone
 
 _SAME = 1e-8  # relative difference of lambda of two mechanisms that govern together
@@ -105,7 +106,9 @@ def _same_uplift(
     return math.isclose(first, second, rel_tol=_EQUAL)
 
 
-def with_coordinate(linkage: Linkage, stated: str | None, turning: str) -> Linkage:
+def with_coordinate(
+    linkage: MechanismSide, stated: str | None, turning: str
+) -> MechanismSide:
     """Return the mechanism with the stated coordinate; or else with that of the other
     direction, if this body turns here.
     """

@@ -5,6 +5,7 @@ checks that it stands, rocks, and opens its joints.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -26,10 +27,8 @@ _WORK = 1e-9
 
 
 @dataclass(frozen=True)
-class MechanismSide:
-    """A mechanism in one direction."""
-
-    linkage: Linkage  # its motion
+class MechanismSide(Linkage):
+    """A mechanism in one direction: its motion, and what follows from it."""
 
     def require(self) -> None:
         """Raise MechanismFault if the mechanism does not stand, does not rock, or its
@@ -40,15 +39,14 @@ class MechanismSide:
     @cached_property
     def form(self) -> Linearised:
         """The mechanism at its unstable equilibrium. Raises MechanismFault."""
-        return _linearised(self.linkage)
+        return _linearised(self)
 
     @cached_property
     def single(self) -> bool:
         """True for one rigid body that turns about a hinge on the ground and carries no
         load but masses that are fixed to it.
         """
-        linkage = self.linkage
-        return len(linkage.links) == 2 and not (linkage.sliders or linkage.bearings)
+        return len(self.links) == 2 and not (self.sliders or self.bearings)
 
     @cached_property
     def governing(self) -> tuple[float, list[Point]] | None:
@@ -57,7 +55,7 @@ class MechanismSide:
         """
         if self._statics is None:
             return None
-        found = self._statics.governing(self.linkage.direction)
+        found = self._statics.governing(self.direction)
         if found is None:
             return 0.0, []
         return found.uplift, [j.at for j in found.joints if isinstance(j, Hinge)]
@@ -68,43 +66,40 @@ class MechanismSide:
         """
         if self._statics is None:
             return None
-        return self._statics.with_friction(self.linkage.direction, friction)
+        return self._statics.with_friction(self.direction, friction)
 
     @cached_property
     def _statics(self) -> Statics | None:
         """Its bodies on their faces, each alone; None if an outline is not known."""
-        assembly, staying = self.linkage.assembly, self.linkage.links[0]
+        return self._on_faces(self.links[0], self.hinges)
+
+    def _on_faces(
+        self, staying: Sequence[str], hinges: Sequence[Hinge]
+    ) -> Statics | None:
+        """Bodies on their faces, each alone but for those that stay; None if an outline
+        is not known.
+        """
+        assembly = self.assembly
         if any(not b.outline for b in assembly.bodies if b.name not in staying):
             return None
-        return Statics(
-            assembly,
-            bodies_alone(assembly, staying),
-            tuple(self.linkage.sliders),
-            tuple(self.linkage.hinges),
-        )
+        groups = bodies_alone(assembly, staying)
+        return Statics(assembly, groups, tuple(self.sliders), tuple(hinges))
 
     def impulses_inside(self, before: MechanismSide, eta: float) -> bool | None:
         """True if compression inside the joints can change the motion of `before` into
         this one: the line of impulse stays inside every joint that stays closed. None
         if the outline of a body is not known.
         """
-        assembly, linkage = self.linkage.assembly, self.linkage
-        staying = [n for n in linkage.links[0] if n in before.linkage.links[0]]
-        if any(not b.outline for b in assembly.bodies if b.name not in staying):
+        staying = [name for name in self.links[0] if name in before.links[0]]
+        statics = self._on_faces(staying, (*self.hinges, *before.hinges))
+        if statics is None:
             return None
-        hinges = (*self.linkage.hinges, *before.linkage.hinges)
-        statics = Statics(
-            assembly,
-            bodies_alone(assembly, staying),
-            tuple(self.linkage.sliders),
-            hinges,
-        )
         wanted: dict[str, np.ndarray] = {}
-        for change in momentum_changes(before.linkage, linkage, eta):
+        for change in momentum_changes(before, self, eta):
             if change.body not in staying:
                 row = change.about(change.place)
                 wanted[change.body] = wanted.get(change.body, np.zeros(3)) + row
-        return statics.carries(wanted, opening_ends(linkage, statics.faces))
+        return statics.carries(wanted, opening_ends(self, statics.faces))
 
     def numbers(self, gravity: float) -> dict[str, float]:
         """Return p, alpha, uplift and a_scale, and the arm of a single rigid body."""
@@ -116,7 +111,7 @@ class MechanismSide:
                 "uplift": form.uplift,
                 "a_scale": form.a_scale,
             }
-        (mass,), (hinge, *_) = self.linkage.masses, self.linkage.hinges
+        (mass,), (hinge, *_) = self.masses, self.hinges
         centre = (mass.centre.real, mass.centre.imag)
         body = Moments.of(mass.mass, centre, mass.inertia)
         return edge_at(body, hinge.at, gravity)._asdict()
@@ -127,13 +122,13 @@ class MechanismSide:
         """Return a row for each hinge and slider, with the forces at the onset and of
         the impact with which the motion of `before` changes into this one.
         """
-        forces = JointForces(self.linkage, gravity)
+        forces = JointForces(self, gravity)
         onset = forces.at_onset() if forces.unique else None
         struck = None
         if onset is not None and before is not None and eta is not None:
-            struck = forces.impulses(before.linkage, eta)
+            struck = forces.impulses(before, eta)
         rows: list[dict[str, Any]] = []
-        for i, hinge in enumerate(self.linkage.hinges):
+        for i, hinge in enumerate(self.hinges):
             row: dict[str, Any] = {"hinge": list(hinge.bodies), "at": list(hinge.at)}
             if onset is not None and np.isfinite(onset.compression[0, i]):
                 n, t = float(onset.compression[0, i]), float(onset.shear[0, i])
@@ -142,7 +137,7 @@ class MechanismSide:
                 n, t = float(struck.compression[0, i]), float(struck.shear[0, i])
                 row |= {"friction_at_impact": _over(t, n)}
             rows.append(row)
-        for i, slide in enumerate(self.linkage.sliders):
+        for i, slide in enumerate(self.sliders):
             row = {
                 "slide": slide.body,
                 "at": list(slide.at),

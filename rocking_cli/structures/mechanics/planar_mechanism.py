@@ -20,7 +20,6 @@ from ..parameters import RockingParameters, Side
 from .admissibility import overlapping_at_rest
 from .assembly import Assembly, Hinge, Joint, MechanismFault
 from .joint_forces import momentum_restitution
-from .linkage import Linkage
 from .mechanism_remarks import remarks_on
 from .mechanism_search import mirrored_joints, searched_joints, with_coordinate
 from .mechanism_side import MechanismSide
@@ -39,6 +38,11 @@ class PlanarMechanism:
     left: MechanismSide | None  # moves towards -x; None for a one-sided mechanism
     searched: bool  # True if its hinges were found from the outlines
 
+    @property
+    def sides(self) -> list[MechanismSide]:
+        """The mechanisms of the directions in which it moves."""
+        return [self.right] if self.left is None else [self.right, self.left]
+
     @cached_property
     def momentum(self) -> tuple[tuple[float, float], tuple[float, float]] | None:
         """(eta, kept energy) on leaving the right side and the left side; None for a
@@ -46,8 +50,10 @@ class PlanarMechanism:
         """
         if self.left is None:
             return None
-        one, other = self.right.linkage, self.left.linkage
-        return momentum_restitution(one, other), momentum_restitution(other, one)
+        return (
+            momentum_restitution(self.right, self.left),
+            momentum_restitution(self.left, self.right),
+        )
 
     @cached_property
     def alike(self) -> bool:
@@ -58,10 +64,9 @@ class PlanarMechanism:
         if not math.isclose(one, other, rel_tol=_EQUAL, abs_tol=_EQUAL):
             return False
         phi = _SHARES * min(self.right.form.alpha, self.left.form.alpha)
-        sides = self.right.linkage, self.left.linkage
-        reach = min(one.reach_to(float(phi[-1])) for one in sides)
+        reach = min(one.reach_to(float(phi[-1])) for one in self.sides)
         phi = np.minimum(phi, (1.0 - 1e-6) * reach)
-        pairs = zip(*(one.coefficients(phi) for one in sides), strict=True)
+        pairs = zip(*(one.coefficients(phi) for one in self.sides), strict=True)
         return all(
             bool(np.abs(a - b).max() <= _EQUAL * np.abs(a).max()) for a, b in pairs
         )
@@ -71,9 +76,8 @@ class PlanarMechanism:
         """True if one rigid body, with the same parts, moves on every side: then the
         forces on the ground are those of Eq. 2.3.
         """
-        sides = [side for side in (self.right, self.left) if side is not None]
-        parts = {(tuple(s.linkage.links[1]), s.linkage.masses[0].centre) for s in sides}
-        return all(side.single for side in sides) and len(parts) == 1
+        parts = {(tuple(s.links[1]), s.masses[0].centre) for s in self.sides}
+        return self._rigid_sides and len(parts) == 1
 
     def parameters(
         self,
@@ -100,7 +104,7 @@ class PlanarMechanism:
         MechanismFault
             if the mechanism does not rock, or momentum gives a negative restitution
         """
-        sides = {1.0: self.right} | ({-1.0: self.left} if self.left else {})
+        sides = dict(zip(SIDES, self.sides, strict=False))
         etas = self._etas(restitution)
         arm = {} if self.whole else {"arm": None}
         found: dict[float, dict[str, Any]] = {
@@ -117,9 +121,7 @@ class PlanarMechanism:
             "remarks": self._remarks(name, rows, friction, etas),
             "top": self._tops() if self.whole else (),
         }
-        carriers = {
-            s: None if self._rigid_sides else one.linkage for s, one in sides.items()
-        }
+        carriers = {s: None if self._rigid_sides else one for s, one in sides.items()}
         if self.left is None:
             return RockingParameters(
                 name=name,
@@ -137,7 +139,7 @@ class PlanarMechanism:
     @property
     def _rigid_sides(self) -> bool:
         """True if a single rigid body moves on every side."""
-        return self.right.single and (self.left is None or self.left.single)
+        return all(side.single for side in self.sides)
 
     def _etas(self, restitution: float | None) -> dict[float, float]:
         """The restitution on leaving each side. Raises MechanismFault."""
@@ -178,9 +180,8 @@ class PlanarMechanism:
         """The details of `RockingParameters`: those of the side that lifts first."""
         first = self.right
         if self.left is not None and not self.alike:
-            first = min(
-                (self.left, self.right), key=lambda side: side.numbers(1.0)["uplift"]
-            )
+            both = self.left, self.right
+            first = min(both, key=lambda side: side.numbers(1.0)["uplift"])
         side = "right" if first is self.right else "left"
         found: dict[str, Any] = {
             "joints": rows[side],
@@ -219,8 +220,7 @@ class PlanarMechanism:
         """The least acceleration over g that the faces do not carry in one of the
         directions.
         """
-        sides = [side for side in (self.right, self.left) if side is not None]
-        found = [side.governing for side in sides]
+        found = [side.governing for side in self.sides]
         known = [one[0] for one in found if one is not None]
         return min(known) if len(known) == len(found) else None
 
@@ -233,23 +233,21 @@ class PlanarMechanism:
     ) -> tuple[str, ...]:
         """Sentences on numbers that are probably wrong."""
         found: list[str] = []
-        for side, of_side in ((1.0, self.right), (-1.0, self.left)):
-            if of_side is not None and SIDES[side] in rows:
-                of_joints = rows[SIDES[side]]
-                eta = etas.get(-side)  # of the impact onto this side
-                found += remarks_on(of_side, of_joints, friction, eta)
+        # rows of one side where both are alike; eta of the impact onto this side
+        for (side, word), of_side in zip(SIDES.items(), self.sides, strict=False):
+            if word in rows:
+                found += remarks_on(of_side, rows[word], friction, etas.get(-side))
         return tuple(f"{name}: {text}" for text in dict.fromkeys(found))
 
     def _tops(self) -> tuple[float, ...]:
         """Distances from the left and the right hinge to the farthest point of the top
         [m]; empty without outlines.
         """
-        linkage = self.right.linkage
-        bodies = [linkage.assembly.body(name) for name in linkage.links[1]]
+        bodies = map(self.right.assembly.body, self.right.links[1])
         sides = self.left or self.right, self.right
         return top_arms(
             [p for body in bodies for p in body.outline],
-            (side.linkage.hinges[0].at for side in sides),
+            (side.hinges[0].at for side in sides),
         )
 
 
@@ -290,32 +288,32 @@ def find_mechanism(
     free = tuple(joints) if searched else None
     if searched:
         joints = searched_joints(assembly, joints, 1.0)
-    first = MechanismSide(Linkage(assembly, tuple(joints), coordinate))
+    first = MechanismSide(assembly, tuple(joints), coordinate)
     first.require()
     if one_sided:
-        if first.linkage.direction < 0.0:
+        if first.direction < 0.0:
             raise MechanismFault(
                 "one_sided",
                 "one_sided: these joints move towards -x; a one-sided mechanism moves"
                 " towards +x: give its mirror image.",
             )
         return PlanarMechanism(first, None, searched)
-    turning = first.linkage.turning
+    turning = first.turning
     there = assembly.with_bearings(about)
     if other is not None:
         again, path = tuple(other), "other_side"
     else:
-        again, turning = mirrored_joints(assembly, first.linkage, about, free)
+        again, turning = mirrored_joints(assembly, first, about, free)
         path = "joints"
-    second = MechanismSide(
-        with_coordinate(Linkage(there, again, path=path), other_coordinate, turning)
+    second = with_coordinate(
+        MechanismSide(there, again, path=path), other_coordinate, turning
     )
     second.require()
-    if first.linkage.direction == second.linkage.direction:
-        way = "+x" if first.linkage.direction > 0.0 else "-x"
+    if first.direction == second.direction:
+        way = "+x" if first.direction > 0.0 else "-x"
         raise MechanismFault(
             "other_side",
             f"other_side: these joints move towards {way}, as the first ones do.",
         )
-    sides = sorted((first, second), key=lambda side: -side.linkage.direction)
+    sides = sorted((first, second), key=lambda side: -side.direction)
     return PlanarMechanism(sides[0], sides[1], searched)

@@ -368,7 +368,7 @@ def test_a_storey_that_is_held_above_is_a_vertical_load():
 
 def test_the_path_goes_on_only_as_far_as_it_is_asked():
     """And its positions are the same in whatever order they are asked."""
-    linkage = held_wall(0.3, 3.0, 1.65, 0.0, 1.0, "vertical").right.linkage
+    linkage = held_wall(0.3, 3.0, 1.65, 0.0, 1.0, "vertical").right
     step_by_step, at_once = replace(linkage), replace(linkage)
     phi = np.array([0.3, -0.2, 1e-3, 0.7, 2.0])
     whole = at_once.coefficients(phi)
