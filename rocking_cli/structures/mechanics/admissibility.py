@@ -12,15 +12,7 @@ from itertools import combinations
 import numpy as np
 
 from ...arrays import Array
-from .assembly import (
-    GROUND,
-    Assembly,
-    Face,
-    Hinge,
-    Joint,
-    MechanismFault,
-    PlanarBody,
-)
+from .assembly import GROUND, Assembly, Face, Hinge, MechanismFault
 from .linkage import Linkage
 from .loop_closure import Positions
 from .plane import apart
@@ -59,19 +51,14 @@ def _in_order(linkage: Linkage, face: Face) -> str:
 
 def _joint_of(linkage: Linkage, face: Face) -> int | None:
     """Return the number of the hinge between the bodies of a face, or their links."""
-    links = {linkage.link_of[name] for name in face.bodies}
-
-    def fits(joint: Joint, own: bool) -> bool:
-        if not isinstance(joint, Hinge):
-            return False
-        if own:
-            return set(joint.bodies) == set(face.bodies)
-        return {linkage.link_of[name] for name in joint.bodies} == links
-
-    found = [
-        i for own in (True, False) for i, j in enumerate(linkage.joints) if fits(j, own)
+    names, links = set(face.bodies), {linkage.link_of[name] for name in face.bodies}
+    joints = enumerate(linkage.joints)
+    hinges = [(i, joint.bodies) for i, joint in joints if isinstance(joint, Hinge)]
+    own = [i for i, bodies in hinges if set(bodies) == names]
+    theirs = [
+        i for i, (a, b) in hinges if {linkage.link_of[a], linkage.link_of[b]} == links
     ]
-    return found[0] if found else None
+    return next(iter(own + theirs), None)
 
 
 def place(point: tuple[float, float]) -> str:
@@ -169,21 +156,27 @@ def _near(linkage: Linkage, at: Positions) -> list[tuple[str, str]]:
 
 def _overlap(linkage: Linkage, at: Positions, one: str, other: str) -> int | None:
     """The first position at which a point of one outline is inside the other one."""
-    first = []
+    corners = [
+        [(name, p) for p in linkage.assembly.body(name).outline]
+        for name in (one, other)
+    ]
+    if not all(corners):
+        return None
+    a, b = (linkage.motion(at, linkage.chains(points)).place for points in corners)
+    first = np.flatnonzero(_meet(a, b, _DEEP * linkage.assembly.size))
+    return int(first[0]) if first.size else None
+
+
+def _meet(one: Array, other: Array, deep: float) -> Array:
+    """True where a corner, or the middle of an edge, of one outline lies deeper than
+    `deep` [m] in the other one, (n,); outlines: corners in order, (n, corners).
+    """
+    met = np.zeros(len(one), dtype=bool)
     for inner, outer in ((one, other), (other, one)):
-        corners, around = (linkage.assembly.body(n).outline for n in (inner, outer))
-        if not corners or not around:
-            return None
-        middles = [
-            (0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1]))
-            for a, b in zip(corners, (*corners[1:], corners[0]), strict=True)
-        ]
-        points = [(inner, p) for p in (*corners, *middles)]
-        places = linkage.motion(at, linkage.chains(points)).place
-        outline = linkage.motion(at, linkage.chains([(outer, p) for p in around])).place
-        deep = _depth(places, outline).max(axis=1) > _DEEP * linkage.assembly.size
-        first += np.flatnonzero(deep)[:1].tolist()
-    return min(first, default=None)
+        middles = 0.5 * (inner + np.roll(inner, -1, axis=1))
+        points = np.concatenate([inner, middles], axis=1)
+        met |= _depth(points, outer).max(axis=1) > deep
+    return met
 
 
 def _depth(points: Array, outline: Array) -> Array:
@@ -208,18 +201,9 @@ def overlapping_at_rest(assembly: Assembly) -> tuple[str, str] | None:
     outlined = [body for body in assembly.bodies if body.outline]
     for one, other in combinations(outlined, 2):
         parted = apart(one.outline, other.outline, -deep)
-        if not parted and _overlap_at_rest(one, other, deep):
+        if parted:
+            continue
+        a, b = (np.array([[complex(*p) for p in x.outline]]) for x in (one, other))
+        if _meet(a, b, deep).any() or abs(a.mean() - b.mean()) <= deep:
             return one.name, other.name
     return None
-
-
-def _overlap_at_rest(one: PlanarBody, other: PlanarBody, deep: float) -> bool:
-    """True if a corner or the middle of an edge of one outline lies deeper than `deep`
-    in the other outline, or both have one middle.
-    """
-    a, b = (np.array([complex(*p) for p in x.outline]) for x in (one, other))
-    for inner, outer in ((a, b), (b, a)):
-        points = np.concatenate([inner, 0.5 * (inner + np.roll(inner, -1))])
-        if _depth(points[None], outer[None]).max() > deep:
-            return True
-    return bool(abs(a.mean() - b.mean()) <= deep)

@@ -44,35 +44,33 @@ class Statics:
     @cached_property
     def faces(self) -> list[Face]:
         """The faces between different groups."""
-        return [
-            face
-            for face in self.assembly.faces(self.hinges)
-            if self._group[face.bodies[0]] != self._group[face.bodies[1]]
-        ]
+        faces = self.assembly.faces(self.hinges)
+        return [face for face in faces if len(self._pair(face.bodies)) == 2]
 
     @cached_property
     def pins(self) -> list[Hinge]:
         """Given hinges on no face of their bodies: they carry any force."""
         near = NEAR * self.assembly.size
-        held = [end for face in self.faces for end in _points_of(face)]
-        return [
-            hinge
-            for hinge in self.hinges
-            if self._group[hinge.bodies[0]] != self._group[hinge.bodies[1]]
-            and not any(
-                pair == frozenset(self._group[name] for name in hinge.bodies)
+
+        def held(hinge: Hinge) -> bool:
+            return any(
+                self._pair(face.bodies) == self._pair(hinge.bodies)
                 and np.hypot(*np.subtract(end, hinge.at)) <= near
-                for pair, end in (
-                    (frozenset(self._group[n] for n in names), end)
-                    for names, end in held
-                )
+                for face in self.faces
+                for end in face.ends
             )
-        ]
+
+        apart = [one for one in self.hinges if len(self._pair(one.bodies)) == 2]
+        return [hinge for hinge in apart if not held(hinge)]
 
     @cached_property
     def _group(self) -> dict[str, int]:
         found = {name: i for i, group in enumerate(self.groups) for name in group}
         return {GROUND: 0} | found
+
+    def _pair(self, bodies: Sequence[str]) -> frozenset[int]:
+        """The groups of the bodies of a face or a hinge."""
+        return frozenset(self._group[name] for name in bodies)
 
     @cached_property
     def _matrix(self) -> tuple[Array, list[tuple[float | None, float | None]]]:
@@ -212,7 +210,8 @@ class Statics:
                 at = face.ends[0] if ends[1] else face.ends[1]
                 hinges.setdefault((groups, _rounded(at, size)), Hinge(face.bodies, at))
         order = sorted(hinges.values(), key=lambda hinge: hinge.at)
-        return (*order, *self._rigid(whole), *self._sliding(whole))
+        slides = (s for s in self.sliders if whole[self._group[s.body]] != whole[0])
+        return (*order, *self._rigid(whole), *slides)
 
     def _rates(self, moved: Array) -> list[list[float]]:
         """How fast both ends of each face open at these velocities."""
@@ -239,9 +238,6 @@ class Statics:
             elif len(names) > 1:
                 found.append(Rigid(names))
         return found
-
-    def _sliding(self, whole: list[int]) -> list[Slide]:
-        return [s for s in self.sliders if whole[self._group[s.body]] != whole[0]]
 
     def carries(self, wanted: dict[str, Array], opening: Array) -> bool:
         """True if compression at the ends of faces that do not open can give these sums
@@ -277,10 +273,6 @@ def bodies_alone(
     """Return each body as a group of its own, those that stay as the first group."""
     free = [(name,) for name in assembly.names if name not in staying]
     return (tuple(staying), *free)
-
-
-def _points_of(face: Face) -> list[tuple[tuple[str, str], Point]]:
-    return [(face.bodies, end) for end in face.ends]
 
 
 def _rounded(at: Point, size: float) -> Point:
