@@ -14,9 +14,8 @@ A new kind is one file, and one line in KINDS. The file has
 - `sketch(document, parameters)` beside `build`, the geometry for `rocking draw`, if the
   kind has one.
 
-An installed package adds a kind by an entry point; `damping`, `friction`, and `gravity`
-and `restitution` if build does not read them, are read for it. Without `KEYS` it takes
-each key that it reads:
+An installed package adds a kind by an entry point; `damping` and `friction` are read
+for it. Without `KEYS` it takes each key that it reads:
 
     [project.entry-points."rocking.structures"]
     tower = "my_package.tower"
@@ -27,31 +26,24 @@ Entry points are read only for a `kind` that is not in KINDS.
 from __future__ import annotations
 
 import json
-import math
 from collections.abc import Sequence
-from contextlib import suppress
-from dataclasses import replace
+from contextlib import AbstractContextManager, nullcontext, suppress
 from functools import cache
 from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from ...documents.keys import Key, Keys
 from ...errors import DocumentError
 from ...plugins import blamed, installed
 from ..parameters import RockingParameters
-from ..shared_keys import (
-    RIGID,
-    SHARED,
-    gravity_of,
-    has_loads,
-    one_sided_restitution_of,
-    restitution_of,
-)
+from ..shared_keys import RIGID, SHARED, has_loads
+from ..sketch import Sketch
 
 if TYPE_CHECKING:
     from ...documents.document import Document
     from ..mechanics.single_body import RigidBody
-    from ..sketch import Sketch
+
+Made = TypeVar("Made")
 
 GROUP = "rocking.structures"
 _NONE = Keys()
@@ -78,38 +70,36 @@ def build(document: Document, name: str) -> RockingParameters:
     another error, exits, or returns something else; otherwise what the kind raises.
     """
     value = document.values.get("kind")
-    found = (
-        {}
-        if value is not None
-        and isinstance(value.content, str)
-        and value.content in KINDS
-        else installed(GROUP)
-    )
-    word = document.choice("kind", [*KINDS, *found])
-    if word in KINDS:
-        return _built(_module(word), document, name)
-    wanted = f"a package that works, or one of {', '.join(KINDS)}"
-    with blamed(found[word], lambda said: document.fault("kind", said, wanted)):
-        built = _built(_module(word), document, name)
-        if not isinstance(built, RockingParameters):
-            raise TypeError(
-                f"build returns {type(built).__name__}, which is no RockingParameters"
-            )
-        _require_printable(built)
-    return _with_shared_keys(document, built)
-
-
-def _built(kind: Any, document: Document, name: str) -> RockingParameters:
-    """Return the parameters of a document of this kind."""
-    _declare(document)
-    if not hasattr(kind, "body"):
-        stated: RockingParameters = kind.build(document, name)
-        return stated
-    body = kind.body(document)
-    if not hasattr(body, "parameters"):
-        raise TypeError(f"body returns {type(body).__name__}, which is no RigidBody")
-    built: RockingParameters = body.parameters(document, name)
+    known = value is not None and str(value.content) in KINDS
+    word = document.choice("kind", [*KINDS, *([] if known else installed(GROUP))])
+    with _named(document, word):
+        kind = _module(word)
+        _declare(document)
+        if hasattr(kind, "body"):
+            found = kind.body(document).parameters(document, name)
+        else:
+            found = kind.build(document, name)
+        built = _required(found, RockingParameters)
+        if word not in KINDS:
+            json.dumps(dict(built.details))  # which can be printed
     return built
+
+
+def _required(found: Any, kind: type[Made]) -> Made:
+    """Return what the module of a kind made. Raises TypeError for something else."""
+    if isinstance(found, kind):
+        return found
+    raise TypeError(f"found a {type(found).__name__}; expected a {kind.__name__}")
+
+
+def _named(document: Document, word: str) -> AbstractContextManager[None]:
+    """Whatever the code of a package raises becomes a DocumentError that names it."""
+    if word in KINDS:
+        return nullcontext()
+    wanted = f"a package that works, or one of {', '.join(KINDS)}"
+    return blamed(
+        installed(GROUP)[word], lambda said: document.fault("kind", said, wanted)
+    )
 
 
 def _declare(document: Document) -> None:
@@ -168,61 +158,17 @@ def rigid_body_of(document: Document) -> RigidBody | None:
     return None
 
 
-def _require_printable(built: RockingParameters) -> None:
-    """Raise TypeError unless the details can be printed as JSON."""
-    try:
-        json.dumps(dict(built.details))
-    except (TypeError, ValueError) as error:
-        raise TypeError(f"its details: {error}") from None
-
-
 def _module(word: str) -> Any:
-    """Return the module of a kind, of this package or of an installed one. Raises
-    TypeError if it is not a module of a kind.
-    """
+    """Return the module of a kind, of this package or of an installed one."""
     if word in KINDS:
         return _own_module(KINDS[word])
-    kind = (entry := installed(GROUP)[word]).load()
-    made = any(callable(getattr(kind, name, None)) for name in ("body", "build"))
-    if not (made and isinstance(getattr(kind, "REPORTS", None), tuple | list)):
-        raise TypeError(
-            f"{entry.value} has no build(document, name) and no body(document), or no"
-            " REPORTS, a tuple of keys"
-        )
-    return kind
+    return installed(GROUP)[word].load()
 
 
 @cache
 def _own_module(name: str) -> Any:
     """Return a module of this package."""
     return import_module(f".{name}", __package__)
-
-
-def _with_shared_keys(
-    document: Document, built: RockingParameters
-) -> RockingParameters:
-    """Apply the gravity and restitution of the document if the kind has not read them;
-    p^2 is proportional to gravity. For a structure with two sides or a mechanism both
-    stay unread, and so are refused, since its other numbers may depend on them.
-    """
-    if built.sides or built.mechanism is not None:
-        return built
-    unread = {"gravity", "restitution"} - document.asked
-    if "gravity" in unread and document.has("gravity"):
-        gravity = gravity_of(document)
-        built = replace(
-            built, gravity=gravity, p=built.p * math.sqrt(gravity / built.gravity)
-        )
-    if "restitution" in unread and document.has("restitution"):
-        of = (
-            one_sided_restitution_of(document, (1.0, 1.0), built.eta)
-            if built.one_sided
-            else restitution_of(document, built.eta, "")
-        )
-        built = replace(
-            built, eta=of[0], eta_source=of[1] if of[1] == "given" else built.eta_source
-        )
-    return built
 
 
 def reports_of(word: str) -> Sequence[str]:
@@ -278,38 +224,16 @@ def sketch_of(document: Document, built: RockingParameters) -> Sketch:
     DocumentError if its kind has no geometry.
     """
     word = str(document.values["kind"].content)
-    if word in KINDS:
-        return _sketched(_module(word), word, document, built)
-    wanted = f"a package that works, or one of {', '.join(KINDS)}"
-    with blamed(
-        installed(GROUP)[word], lambda said: document.fault("kind", said, wanted)
-    ):
-        found = _sketched(_module(word), word, document, built)
-        from ..sketch import Sketch
-
-        if not isinstance(found, Sketch):
-            raise TypeError(
-                f"sketch returns a {type(found).__name__}, which is no Sketch"
-            )
-    return found
-
-
-def _sketched(
-    kind: Any, word: str, document: Document, built: RockingParameters
-) -> Sketch:
-    """Return the sketch that the module of a kind makes. Raises DocumentError if it
-    makes none.
-    """
-    if not document.table:
-        _declare(document)
-    if hasattr(kind, "body"):
-        drawing: Sketch = kind.body(document).sketch(document, built)
-        return drawing
-    if not hasattr(kind, "sketch"):
-        raise document.fault(
-            "kind",
-            f"{word}, which states no geometry to draw",
-            f"one of {', '.join(filter(is_drawn, KINDS))}",
-        )
-    found: Sketch = kind.sketch(document, built)
-    return found
+    with _named(document, word):
+        kind = _module(word)
+        if not document.table:
+            _declare(document)
+        if hasattr(kind, "body"):
+            return _required(kind.body(document).sketch(document, built), Sketch)
+        if hasattr(kind, "sketch"):
+            return _required(kind.sketch(document, built), Sketch)
+    raise document.fault(
+        "kind",
+        f"{word}, which states no geometry to draw",
+        f"one of {', '.join(filter(is_drawn, KINDS))}",
+    )
