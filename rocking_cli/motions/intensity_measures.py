@@ -49,7 +49,7 @@ GROUP = "rocking.measures"
 @dataclass(frozen=True)
 class Measure:
     """An intensity measure, by one of three functions that return it in SI. Raises
-    ValueError for another number of functions or a power that is not positive.
+    ValueError for an unknown dimension, or a power that is not positive.
     """
 
     name: str  # as options and tables have it
@@ -64,16 +64,10 @@ class Measure:
     periods: tuple[float, ...] = ()  # of SA and AvgSA [s]
 
     def __post_init__(self) -> None:
-        ways = (self.of_motion, self.of_structure, self.of_record)
-        if sum(way is not None for way in ways) != 1:
+        if self.dimension not in UNITS or not 0.0 < self.power < math.inf:
             raise ValueError(
-                f"measure {self.name}: expected one of of_motion, of_structure and"
-                " of_record"
-            )
-        if not 0.0 < self.power < math.inf:
-            raise ValueError(
-                f"measure {self.name}: found the power {self.power!r}; expected a"
-                " positive number"
+                f"found the dimension {self.dimension!r} and the power {self.power!r};"
+                f" expected one of {', '.join(UNITS)}, and a positive number"
             )
 
     @property
@@ -175,18 +169,6 @@ def _added(entry: EntryPoint, argument: str) -> Measure:
             entry, lambda said: UsageError(f"`{argument}`: the measure {said}")
         )
 
-    with told():
-        found = entry.load()
-        dimension, value = (getattr(found, key, None) for key in ("DIMENSION", "value"))
-        power = getattr(found, "POWER", 1.0)
-        if not (isinstance(dimension, str) and dimension in UNITS and callable(value)):
-            raise TypeError(
-                f"{entry.value} needs a DIMENSION ({', '.join(UNITS)}) and a function"
-                " value(record)"
-            )
-        if not (isinstance(power, int | float) and 0.0 < power < math.inf):
-            raise TypeError(f"its POWER is {power!r}, which is no positive number")
-
     def of_record(record: Record) -> float:
         with told():
             number = value(record)
@@ -194,4 +176,7 @@ def _added(entry: EntryPoint, argument: str) -> Measure:
                 raise TypeError(f"value returns {type(number).__name__}, not a number")
         return float(number)
 
-    return Measure(entry.name, dimension, of_record=of_record, power=float(power))
+    with told():
+        found = entry.load()
+        value, power = found.value, float(getattr(found, "POWER", 1.0))
+        return Measure(entry.name, found.DIMENSION, of_record=of_record, power=power)

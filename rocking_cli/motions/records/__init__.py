@@ -152,13 +152,6 @@ def _format_of(source: str, head: str) -> "tuple[Any, EntryPoint | None]":
     for entry in _entries(tuple(sys.path)):
         with _blamed(source, entry):
             found = entry.load()
-            if not (
-                isinstance(getattr(found, "NAME", None), str)
-                and callable(getattr(found, "read", None))
-            ):
-                raise TypeError(
-                    f"{entry.value} needs a NAME (a text) and a function read(text)"
-                )
             if found.recognise(short):
                 return found, entry
     return (plain if plain.recognise(head) else None), None

@@ -85,25 +85,17 @@ def require_series(read: object) -> None:
     """Raise TypeError unless the reader of a format returned a list of Series with
     samples in a known unit.
     """
-    if not (isinstance(read, list) and read):
-        found = "an empty list" if isinstance(read, list) else type(read).__name__
-        raise TypeError(f"read returns {found}; expected a list of Series, one or more")
-    for one in read:
-        if not isinstance(one, Series):
-            raise TypeError(
-                f"read returns a list with a {type(one).__name__}; expected a list of"
-                " Series"
-            )
-        if not isinstance(one.component, str | None):
-            raise TypeError(f"read returns the component {one.component!r}, no text")
-        if one.unit not in ACCELERATIONS:
-            raise TypeError(
-                f"read returns the unit {one.unit!r}; expected"
-                f" {', '.join(WRITTEN_UNITS)}"
-            )
-        samples: object = one.samples
-        if not (isinstance(samples, np.ndarray) and samples.dtype.kind in "fi"):
-            raise TypeError("read returns samples that are no array of real numbers")
+    fits = isinstance(read, list) and all(
+        isinstance(one, Series)
+        and one.unit in ACCELERATIONS
+        and one.samples.dtype.kind in "fi"
+        for one in read
+    )
+    if not (fits and read):
+        raise TypeError(
+            f"read returns {read!r:.60}; expected a list of Series, one or more, with"
+            f" real numbers in {', '.join(WRITTEN_UNITS)}"
+        )
 
 
 @dataclass(frozen=True, eq=False, repr=False)
