@@ -93,15 +93,13 @@ class Document:
     inner: list[Document] = field(default_factory=list)
     # of each quantity that was read, by its path, such as `ties.0.height`
     dimensions: dict[str, str] = field(default_factory=dict)
-    # lengths [m] that state no unit, by their path
-    bare: dict[str, tuple[float, Place]] = field(default_factory=dict)
     # the keys with a spread, by their path
     uncertain: dict[str, Uncertain] = field(default_factory=dict)
     # the document around this one, and the path there
     within: tuple[Document, str] | None = None
     cells: tuple[Cell, ...] = ()  # of a row of a table, whose other columns are labels
     table: dict[str, Key] = field(default_factory=dict)  # the declared keys
-    # remarks on unusual values, by their path
+    # a remark on the first unusual value of each dimension
     doubts: dict[str, str] = field(default_factory=dict)
 
     def __repr__(self) -> str:
@@ -269,12 +267,10 @@ class Document:
             said = is_spread(value.content) or not told.words
             hinted = wanted + as_meant(value.content, dimension)
             raise self.fault(key, str(value), str(error) if said else hinted) from None
-        bare = is_bare(value.content)
-        if dimension == "length" and bare:
-            outer.bare[path] = (number, value.place)
         ends = (spread.first, spread.second) if spread and spread.bounded else (number,)
         if not all(map(told.holds, ends)):
-            hint = " (a bare number is in rad)" if dimension == "angle" and bare else ""
+            bare = dimension == "angle" and is_bare(value.content)
+            hint = " (a bare number is in rad)" if bare else ""
             raise self.fault(key, str(value), told.range() + hint)
         if spread and not spread.certain:
             if (cut := spread.cut(told.low, told.high)) > MOST_CUT:
@@ -287,11 +283,16 @@ class Document:
             outer.uncertain[path] = Uncertain(
                 path, spread, dimension, told.low, told.high
             )
-        if told.usual and has_no_unit(value.content):
-            doubt = told.usual.doubt(number, si_unit(dimension))
-            if doubt:
-                outer.doubts[path] = f"{value.place}: {path}: {doubt}"
+        self._doubt(key, told, value, number)
         return number
+
+    def _doubt(self, key: str, told: Key, value: Value, number: float) -> None:
+        """Keep a remark on a number [SI] without a unit that is not usual."""
+        if told.usual and has_no_unit(str(value.content)):
+            dimension = told.form if told.is_quantity else told.of
+            if doubt := told.usual.doubt(number, si_unit(dimension)):
+                outer, path = self._outermost(key)
+                outer.doubts.setdefault(dimension, f"{value.place}: {path}: {doubt}")
 
     def _outermost(self, path: str) -> tuple[Document, str]:
         """Return the outermost document, and the path there of a path in this one."""
@@ -506,13 +507,9 @@ class Document:
             except ArgumentError:
                 pass
             else:
-                for i, (v, number) in enumerate(
-                    zip(value.content, (first, second), strict=True)
-                ):
-                    if dimension == "length" and is_bare(str(v.content)):
-                        at = f"{key}.{value.place.line}.{value.place.column}.{i}"
-                        outer, path = self._outermost(at)
-                        outer.bare[path] = (number, v.place)
+                told = self.table.get(key, _NUMBER)
+                for v, number in zip(value.content, (first, second), strict=True):
+                    self._doubt(key, told, v, number)
                 return first, second
             if any(is_spread(str(v)) for v in value.content):
                 found = f"a {name} with a spread (line {value.place.line})"
@@ -782,7 +779,6 @@ class Document:
             asked=set(),
             inner=[],
             dimensions={},
-            bare={},
             uncertain={},
             table={},
             doubts={},

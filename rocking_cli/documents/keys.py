@@ -201,12 +201,6 @@ def both(words: Iterable[str]) -> str:
     return f"{', '.join(first)} and {last}" if first else last
 
 
-def length(doc: str = "", **more: Any) -> Key:
-    """Return the key of a positive length."""
-    where = f"a positive length, from {SMALLEST_LENGTH:g} m"
-    return Key("length", doc, **{"least": SMALLEST_LENGTH, "where": where, **more})
-
-
 def positive(dimension: str, doc: str = "", **more: Any) -> Key:
     """Return the key of a positive quantity."""
     return Key(dimension, doc, above=0.0, **more)
@@ -215,3 +209,13 @@ def positive(dimension: str, doc: str = "", **more: Any) -> Key:
 def in_units(*units: str) -> dict[str, Callable[[float], float]]:
     """Return the factors to SI of units that may have been meant."""
     return {unit: FACTORS[unit].__mul__ for unit in units}
+
+
+# few towers and spires of masonry are higher
+OF_BUILDINGS = Usual(0.0, 30.0, in_units("cm", "mm"))
+
+
+def length(doc: str = "", usual: Usual | None = OF_BUILDINGS) -> Key:
+    """Return the key of a positive length."""
+    where = f"a positive length, from {SMALLEST_LENGTH:g} m"
+    return Key("length", doc, least=SMALLEST_LENGTH, where=where, usual=usual)

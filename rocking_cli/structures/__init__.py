@@ -17,7 +17,6 @@ from .kinds import KINDS, build, known_keys, reports_of
 from .parameters import OTHERS, RockingParameters, Side
 from .rigidity import rigidity_of
 from .shared_keys import damping_of, friction_of, labels_of
-from .sizes import size_remarks
 
 if TYPE_CHECKING:
     from ..documents.document import Document
@@ -74,7 +73,7 @@ def build_structure(document: Document) -> RockingParameters:
         building = modes_in(document)
         document.has("labels")  # a key of every kind, also of installed packages
         document.finish(known_keys)
-        sized = (*size_remarks(document, built), *cut_remarks(document))
+        cut = cut_remarks(document)
         stated: dict[str, Any] = {
             "damping": damping,
             "friction": static,
@@ -82,7 +81,7 @@ def build_structure(document: Document) -> RockingParameters:
             "building": building,
             "labels": labels_of(document),
             "details": {**built.details, **details},
-            "remarks": (*built.remarks, *document.doubts.values(), *sized, *flexible),
+            "remarks": (*built.remarks, *document.doubts.values(), *cut, *flexible),
             "document": document,
         }
         # most bodies are complete: a copy would cost as much as they did
@@ -255,7 +254,7 @@ def load_structures(
     Warns
     -----
     UserWarning
-        if lengths without a unit make a body higher than 30 m
+        for numbers without a unit that are not usual, such as a height of 190
 
     Examples
     --------

@@ -16,7 +16,7 @@ SIZES = ("width", "height")
 KEYS = Keys(
     optional={
         "density": DENSITY,
-        "depth": length("across the rocking, with a density"),
+        "depth": length("across the rocking, with a density", None),
     },
     ways=(sizes("full width at the base", "full height", "half the diagonal"),),
 )

@@ -52,7 +52,7 @@ REPORTS = (
     "top_reaction",
 )
 _BODY = (
-    Keys({**CORNERS, "density": DENSITY}, {"length": length()}),
+    Keys({**CORNERS, "density": DENSITY}, {"length": length(usual=None)}),
     Keys(
         {"mass": positive("mass"), "centre": Key("pair"), "gyration": length()}, CORNERS
     ),

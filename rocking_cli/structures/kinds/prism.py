@@ -8,7 +8,7 @@ import math
 from collections.abc import Sequence
 
 from ...documents.document import Document
-from ...documents.keys import Key, Keys, length
+from ...documents.keys import OF_BUILDINGS, Key, Keys, length
 from ..mechanics.plane import crosses_itself, polygon_moments, top_of
 from ..mechanics.single_body import RigidBody
 from ..mechanics.toe import foot_of
@@ -16,10 +16,11 @@ from ..shared_keys import DENSITY
 from ..sketch import Point, rocker
 
 REPORTS = ("direction",)
-CORNERS = {"corners": Key("pairs", "[x, z] in order around the section")}
+_PLACES = OF_BUILDINGS._replace(least=-30.0)
+CORNERS = {"corners": Key("pairs", "[x, z] in order around the section", usual=_PLACES)}
 KEYS = Keys(
     CORNERS,
-    {"density": DENSITY, "length": length("across the rocking, with a density")},
+    {"density": DENSITY, "length": length("across the rocking, with a density", None)},
 )
 
 

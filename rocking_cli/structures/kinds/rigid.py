@@ -21,7 +21,7 @@ KEYS = Keys(
         "right": length("horizontal distance from the right edge to it"),
         "height": length("of the mass centre"),
     },
-    {"length": length("of the base across the rocking, for strength")},
+    {"length": length("of the base across the rocking, for strength", None)},
     (
         (
             Keys({"gyration": length("its radius about the mass centre")}, _MASS),

@@ -27,7 +27,7 @@ KEYS = Keys(
         "height": length("between the floors, or free"),
     },
     {
-        "length": length("across the rocking, with a density"),
+        "length": length("across the rocking, with a density", None),
         "density": DENSITY,
         "top": Key(
             "choice", "whether a floor holds it", words=("held", "free"), default="free"
