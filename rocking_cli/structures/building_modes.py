@@ -7,8 +7,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, NamedTuple
 
 from ..documents.keys import Key, Keys
-from ..documents.quantities import quantity_at
-from ..errors import UsageError
+from ..errors import DocumentError, UsageError
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -43,8 +42,6 @@ MODE = Keys(
         )
     },
 )
-# keys without a default; a code takes no participation for granted
-_NEEDED = {"building": tuple(MODE.required), "floor": tuple(MODE.all)}
 ONE_EACH = "one mode for each period"
 _FORM = "T=…,xi=…,gamma_psi=…, such as T=0.4,xi=0.05,gamma_psi=1.3"
 
@@ -71,40 +68,35 @@ class FloorMode(NamedTuple):
 
 def parse_mode(text: str, option: str = "building") -> FloorMode:
     """Return the mode that `T=0.4,xi=0.05,gamma_psi=1.3` states; option: building, or
-    floor, which needs every key. Raises UsageError.
+    floor, which needs every key: a code takes no participation for granted. Raises
+    UsageError.
     """
+    from ..documents.composition import Place
+    from ..documents.parsing import document_of
+    from ..documents.table import Cell
+
+    place = Place(f"`{option}`: {text}", 0, 0)
     parts = [part.partition("=") for part in text.split(",")]
-    keys = [key.strip() for key, _, _ in parts]
-    given = {key.strip(): value.strip() for key, _, value in parts}
-    missing = [key for key in _NEEDED[option] if key not in given]
-    unknown = [key for key in keys if key not in MODE.all]
-    if missing or unknown or len(given) < len(keys):
-        why = f"no {missing[0]} in " if missing and not unknown else ""
-        raise UsageError(f"`{option}`: found {why}{text!r}; expected {_FORM}")
-    found = {}
-    for key, value in given.items():
-        told = MODE.all[key]
-        number = quantity_at(f"`{option}`: {key}", value, told.form)
-        if not _holds(key, number):
-            zero = key == "xi" and number == 0.0
-            why = ", without which the floor never rests" if zero else ""
-            raise UsageError(
-                f"`{option}`: found {key}={value}; expected {told.range()}{why}"
-                f"{_percent(key, number)}"
-            )
-        found[key] = number
-    return FloorMode(found["T"], found["xi"], found.get("gamma_psi", 1.0))
+    cells = [Cell(key.strip(), value.strip(), place) for key, _, value in parts]
+    document = document_of(cells, place.source)
+    try:
+        document.declare(MODE)
+        mode = _mode(document)
+        if len(document.keys) < len(cells) or document.uncertain:
+            raise document.fault(None, "a key twice, or with a spread", _FORM)
+        if option == "floor" and not document.has("gamma_psi"):
+            raise document.missing("gamma_psi", _FORM)
+    except DocumentError as error:
+        raise UsageError(str(error)) from None
+    return mode
 
 
-def _holds(key: str, number: float) -> bool:
-    """True for a value of a mode [SI] that is within its limits."""
-    return MODE.all[key].holds(number) and not (key == "gamma_psi" and number == 0.0)
-
-
-def _percent(key: str, number: float) -> str:
-    """Return a question on a damping ratio that is probably in percent, or nothing."""
-    percent = key == "xi" and 1.0 <= number < 100.0
-    return f"; did you mean {number / 100.0:g}?" if percent else ""
+def _mode(part: Document) -> FloorMode:
+    """Return the mode that a mapping states. Raises DocumentError."""
+    mode = FloorMode(*map(part.quantity, MODE.all))
+    if mode.gamma_psi == 0.0:
+        raise part.fault("gamma_psi", "0", MODE.all["gamma_psi"].range())
+    return mode
 
 
 def repeated(modes: Sequence[FloorMode]) -> str:
@@ -120,12 +112,7 @@ def modes_in(document: Document) -> tuple[FloorMode, ...]:
     """
     if not document.has("building"):
         return ()
-    found = []
-    for part in document.parts("building"):
-        mode = FloorMode(*(part.quantity(key) for key in MODE.all))
-        if mode.gamma_psi == 0.0:
-            raise part.fault("gamma_psi", "0", MODE.all["gamma_psi"].range())
-        found.append(mode)
+    found = list(map(_mode, document.parts("building")))
     if twice := repeated(found):
         raise document.fault("building", twice, ONE_EACH)
     return tuple(found)

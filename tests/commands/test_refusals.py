@@ -144,12 +144,12 @@ REFUSED = {
         (
             2,
             f"{COLUMN} {AT} --floor T=1",
-            "--floor: found no xi in 'T=1'; expected T=…,xi=…,gamma_psi=…, such as",
+            "--floor: T=1: no key 'xi'; expected xi: a number without a unit",
         ),
         (
             2,
             f"{COLUMN} {AT} --floor T=1,xi=5%,gamma_psi=1",
-            "xi: found '5%'; expected a number without a unit; did you mean 0.05?",
+            "xi: found 5%; expected a number without a unit; did you mean 0.05?",
         ),
         (
             2,
