@@ -49,26 +49,26 @@ class Top(NamedTuple):
     level: float  # z [m]
 
 
-class SideLoads(NamedTuple):
-    """Loads, each with its bearing in one direction."""
-
-    right: tuple[Load, ...]  # while theta > 0
-    left: tuple[Load, ...]  # while theta < 0
-
-
-def loads_of(document: Document, top: Top | None, axis: float) -> SideLoads:
-    """Return the loads of a body. Raises DocumentError. top: None for a body without a
-    flat top; axis: x of the mirror of bearings [m].
+def loads_of(
+    document: Document, top: Top | None, axis: float
+) -> tuple[tuple[Load, ...], tuple[Load, ...]]:
+    """Return the loads of a body, each with its bearing while theta > 0, and while
+    theta < 0. Raises DocumentError. top: None for a body without a flat top; axis: x
+    of the mirror of bearings [m].
     """
     if not has_loads(document):
-        return SideLoads((), ())
+        return (), ()
     gravity = gravity_of(document)
-    pairs = [
-        _load(part, f"loads.{i}", gravity, top, axis)
-        for i, part in enumerate(document.parts("loads"))
-    ]
-    right, left = (tuple(pair[i] for pair in pairs) for i in (0, 1))
-    return SideLoads(right, left)
+    right, left = list[Load](), list[Load]()
+    for i, part in enumerate(document.parts("loads")):
+        mass, inertia = mass_of_load(part, gravity), part.choice("inertia")
+        stated = part.has("bearing")
+        here, there = _on_top(part, top) if stated else _at(part, axis)
+        if here != there and inertia == BOTH:
+            require_still(part, f"loads.{i}", "bearing" if stated else "mirrored")
+        right.append(Load(BODY, here, mass, inertia))
+        left.append(Load(BODY, there, mass, inertia))
+    return tuple(right), tuple(left)
 
 
 def require_still(part: Document, path: str, key: str) -> None:
@@ -79,29 +79,13 @@ def require_still(part: Document, path: str, key: str) -> None:
     )
 
 
-def _load(
-    part: Document, path: str, gravity: float, top: Top | None, axis: float
-) -> tuple[Load, Load]:
-    """Return a load at its bearing while theta > 0 and while theta < 0."""
-    mass, inertia = mass_of_load(part, gravity), part.choice("inertia")
-    if part.has("bearing"):
-        right, left = _on_top(part, path, inertia, top)
-    else:
-        right, left = _at(part, path, inertia, axis)
-    return Load(BODY, right, mass, inertia), Load(BODY, left, mass, inertia)
-
-
-def _on_top(
-    part: Document, path: str, inertia: str, top: Top | None
-) -> tuple[Point, Point]:
+def _on_top(part: Document, top: Top | None) -> tuple[Point, Point]:
     """Return the two places of a load that bears on the flat top."""
     where = part.choice("bearing")
     if top is None:
         raise part.fault(
             "bearing", "a bearing on a body without a flat top", f"at: {_POINT}"
         )
-    if where != CENTRE and inertia == BOTH:
-        require_still(part, path, "bearing")
     (right, left), z = top.far, top.level
     if where == CENTRE:
         right = left = 0.5 * (right + left)
@@ -110,17 +94,13 @@ def _on_top(
     return (right, z), (left, z)
 
 
-def _at(part: Document, path: str, inertia: str, axis: float) -> tuple[Point, Point]:
+def _at(part: Document, axis: float) -> tuple[Point, Point]:
     """Return the two places of a load at a stated point."""
     if not part.has("at"):
         wanted = f"{_POINT}; or bearing: one of {', '.join(BEARINGS)}"
         raise part.missing("at", wanted)
     x, z = part.pair("at", part.values["at"], "length", "point", _POINT)
-    if not part.flag("mirrored"):
-        return (x, z), (x, z)
-    if inertia == BOTH:
-        require_still(part, path, "mirrored")
-    return (x, z), (2.0 * axis - x, z)
+    return (x, z), ((2.0 * axis - x if part.flag("mirrored") else x), z)
 
 
 def loaded(
@@ -193,14 +173,13 @@ def _mechanism(document: Document, body: RigidBody, mass: float) -> PlanarMechan
     inertia = mass / body.moments.mass * max(0.0, body.moments.central)
     # its base between the pivots: its only face
     whole = PlanarBody(BODY, mass, centre, inertia, (left, right, centre))
-    loads = loads_of(document, top_of(body.drawing), 0.5 * (left[0] + right[0]))
+    bearings = loads_of(document, top_of(body.drawing), 0.5 * (left[0] + right[0]))
     sides = []
-    for name, pivot, bearing in (
-        ("right", right, loads.right),
-        ("left", left, loads.left),
+    for name, pivot, loads in zip(
+        ("right", "left"), (right, left), bearings, strict=True
     ):
-        _require_standing(document, whole, pivot, bearing, name)
-        assembly = Assembly((whole,), bearing)
+        _require_standing(document, whole, pivot, loads, name)
+        assembly = Assembly((whole,), loads)
         joints = (Hinge((GROUND, BODY), pivot),)
         sides.append(MechanismSide(assembly, joints, BODY))
     one_sided = document.flag("one_sided")
@@ -241,7 +220,7 @@ def drawn_with_loads(
     about its right edge.
     """
     (_, left), *_, (_, right) = drawing.pivots
-    loads = loads_of(document, top_of(drawing), 0.5 * (left[0] + right[0])).right
+    loads, _ = loads_of(document, top_of(drawing), 0.5 * (left[0] + right[0]))
     alpha = built.sides[1].alpha if built.sides else built.alpha
     size = max(z for outline in drawing.bodies for _, z in outline)
     assert drawing.centre is not None

@@ -37,9 +37,7 @@ def body(document: Document) -> RigidBody:
         round_piece(part).of_density(density)
         for part in ([document] if alone else document.parts("drums"))
     ]
-    return stacked(
-        document, "drums", "drum", [_centred(document, *pieces)] if alone else pieces
-    )
+    return stacked(document, "drum", [_centred(document, *pieces)] if alone else pieces)
 
 
 def _centred(document: Document, drum: StackPiece) -> StackPiece:

@@ -40,7 +40,7 @@ def body(document: Document) -> RigidBody:
             "a density of some pieces only",
             "density for every piece, or for none",
         )
-    return stacked(document, "pieces", "piece", pieces)
+    return stacked(document, "piece", pieces)
 
 
 def _piece(part: Document) -> StackPiece:

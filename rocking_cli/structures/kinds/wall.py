@@ -124,8 +124,8 @@ class WallBetweenFloors:
         crack.
         """
         half = 0.5 * self.thickness
-        loads = loads_of(document, Top((half, -half), self.height), 0.0)
-        for i, load in enumerate(loads.right):
+        right, left = loads_of(document, Top((half, -half), self.height), 0.0)
+        for i, load in enumerate(right):
             x, z = load.at
             if not (abs(x) <= half and 0.0 <= z <= self.height):
                 raise document.fault(
@@ -134,9 +134,7 @@ class WallBetweenFloors:
                     f"a load on the wall, with x from {-half:g} to {half:g} m and z"
                     f" from 0 to {self.height:g} m",
                 )
-        sides = {1.0: loads.right}
-        if not document.flag("one_sided"):
-            sides[-1.0] = loads.left
+        sides = {1.0: right} if document.flag("one_sided") else {1.0: right, -1.0: left}
         return HeldWall(self.thickness, self.height, mass, sides)
 
     def _crack(

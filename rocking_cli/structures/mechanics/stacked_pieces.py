@@ -126,35 +126,35 @@ class Interface(NamedTuple):
 
 
 def stacked(
-    document: Document,
-    key: str,
-    word: str,
-    pieces: Sequence[StackPiece],
-    inset: float = 0.0,
+    document: Document, word: str, pieces: Sequence[StackPiece], inset: float = 0.0
 ) -> RigidBody:
     """Return the body that rocks on the interface of the key `rocks_on`, by default on
     the one with the least margin, on the lowest one of equal margins. pieces: from
-    below; key: of their list in the document; word: for one of them; inset: from the
+    below; word: for one of them, and with an s the key of their list; inset: from the
     edges of every interface [m], of a body with `strength` that of its toe there.
     Raises DocumentError if a piece does not stand on the one below it, or the stack
     does not stand, or if it has restraints and no `rocks_on`: they hold each interface
     in another way, so that the least margin does not tell which one overturns first.
     """
-    whole = _interfaces(document, key, word, pieces)
+    whole = _interfaces(document, word, pieces)
+    supports = ["its base", *(f"{word} {i} from below" for i in range(1, len(whole)))]
     feet = [_foot(document, pieces, i, one) for i, one in enumerate(whole)]
-    insets = _insets(document, word, feet, inset)
+    insets = [inset] * len(feet)
+    if document.has("strength"):
+        pairs = zip(feet, supports, strict=True)
+        insets = [toe_of(document, foot, name).inset for foot, name in pairs]
     interfaces = [
         _moved_in(document, word, i, one, inwards)
         for i, (one, inwards) in enumerate(zip(whole, insets, strict=True))
     ]
-    lowest = _weakest_standing(document, key, word, interfaces, inset)
+    lowest = _weakest_standing(document, word, interfaces, inset)
     details: dict[str, Any] = {}
     if len(pieces) > 1:
         lowest = _lowest_rocking(document, word, interfaces, lowest)
-        supports = _supports(word, len(interfaces))
+        gravity, rows = gravity_of(document), zip(supports, interfaces, strict=True)
         details = {
             "rocks_on": supports[lowest],
-            "interfaces": _interface_rows(document, supports, interfaces),
+            "interfaces": [{"on": on, **one.numbers(gravity)} for on, one in rows],
         }
     if pieces[0].dense and document.has("strength"):
         details["mass"] = whole[lowest].body.mass
@@ -170,7 +170,7 @@ def stacked(
         limit=f"a {word} more slender than this one",
         details=details,
         drawing=_drawing(pieces, lowest, interface, inwards),
-        moved=partial(stacked, document, key, word, pieces),
+        moved=partial(stacked, document, word, pieces),
         foot=feet[lowest],
         shaft=only.height if len(pieces) == 1 and only.foot == only.head else None,
     )
@@ -208,19 +208,6 @@ def _foot(
     return Foot(area, mass_of(document) if len(pieces) == 1 else None)
 
 
-def _insets(
-    document: Document, word: str, feet: Sequence[Foot | str], inset: float
-) -> list[float]:
-    """Return the inset of each interface [m]: that of its toe, or the one of all."""
-    if not document.has("strength"):
-        return [inset] * len(feet)
-    supports = _supports(word, len(feet))
-    return [
-        toe_of(document, foot, name).inset
-        for foot, name in zip(feet, supports, strict=True)
-    ]
-
-
 def _moved_in(
     document: Document, word: str, i: int, interface: Interface, inwards: float
 ) -> Interface:
@@ -238,7 +225,7 @@ def _moved_in(
 
 
 def _interfaces(
-    document: Document, key: str, word: str, pieces: Sequence[StackPiece]
+    document: Document, word: str, pieces: Sequence[StackPiece]
 ) -> list[Interface]:
     """Return the interfaces from below. Raises DocumentError if a piece does not stand
     on the one below it.
@@ -251,7 +238,7 @@ def _interfaces(
         left, right = _overlap(pieces, i)
         if not right > left:
             raise document.fault(
-                key,
+                f"{word}s",
                 f"{word} {i + 1} from below apart from the one below it",
                 f"{word}s that stand on each other",
             )
@@ -270,11 +257,7 @@ def _overlap(pieces: Sequence[StackPiece], i: int) -> tuple[float, float]:
 
 
 def _weakest_standing(
-    document: Document,
-    key: str,
-    word: str,
-    interfaces: Sequence[Interface],
-    inset: float,
+    document: Document, word: str, interfaces: Sequence[Interface], inset: float
 ) -> int:
     """Return the index of the interface with the least margin. Raises DocumentError if
     the pieces above it fall under their own weight.
@@ -284,7 +267,9 @@ def _weakest_standing(
         found = (
             f"{word} {weakest + 1} from below, with the pieces on it, beyond its edge"
         )
-        moved = "strength" if document.has("strength") else "inset" if inset else key
+        moved = (
+            "strength" if document.has("strength") else "inset" if inset else f"{word}s"
+        )
         raise document.fault(moved, found, "a stack that stands")
     return weakest
 
@@ -297,35 +282,13 @@ def _lowest_rocking(
     """
     if document.has("rocks_on"):
         return document.integer("rocks_on", most=len(interfaces) - 1)
-    if held := restraints_in(document):
+    if held := restraints_in(document) or ["loads"] * has_loads(document):
         raise document.missing(
             "rocks_on",
             f"0 for its base, or the number from below of the {word} on which it"
             f" rocks: {held[0]} hold each interface differently, so check each one",
         )
-    if has_loads(document):
-        raise document.missing(
-            "rocks_on",
-            f"0 for its base, or the number from below of the {word} on which it"
-            " rocks, with the mass above it: loads hold each interface differently",
-        )
     return weakest
-
-
-def _supports(word: str, count: int) -> list[str]:
-    """Return the name of what bears each interface, from below."""
-    return ["its base", *(f"{word} {i} from below" for i in range(1, count))]
-
-
-def _interface_rows(
-    document: Document, supports: Sequence[str], interfaces: Sequence[Interface]
-) -> list[dict[str, Any]]:
-    """Return the parameters on each interface as a row of the details."""
-    gravity = gravity_of(document)
-    return [
-        {"on": on, **interface.numbers(gravity)}
-        for on, interface in zip(supports, interfaces, strict=True)
-    ]
 
 
 def _top_corner(
