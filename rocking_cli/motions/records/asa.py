@@ -10,6 +10,7 @@ from .text import Keys, Layout, RecordText, begins
 
 NAME = "ASA"
 _KEY = re.compile(r"\s*([A-Z][^:]*?)\s*:\s*(.*)", re.IGNORECASE)
+_NUMBER = re.compile(r"[-+]?\d*\.?\d+")
 _NUMBERS = re.compile(
     r"^\s*[-+]?\d*\.?\d+(?:[ED][-+]?\d+)?(?:\s+[-+]?\d*\.?\d+(?:[ED][-+]?\d+)?)*\s*$",
     re.I,
@@ -21,41 +22,31 @@ recognise = begins(r"(?:.*\n){0,20}?.*ARCHIVO EST[AÁ]NDAR DE ACELERACI[OÓ]N")
 def read(text: RecordText) -> list[Series]:
     """Return every channel. Raises DocumentError."""
     keys = _keys(text)
-    names = _listed(text, keys, "ORIENTACION")
+    names = [_direction(x) for x, _ in _listed(text, keys, "ORIENTACION")]
     width = len(names)
-    steps = [
-        text.step(x, n) for x, n in _of(text, keys, "INTERVALO DE MUESTREO", width)
-    ]
+    steps = [text.step(*x) for x in _listed(text, keys, "INTERVALO DE MUESTREO", width)]
     counts = [
-        text.count(x, n) for x, n in _of(text, keys, "NUM. TOTAL DE MUESTRAS", width)
+        text.count(*x) for x in _listed(text, keys, "NUM. TOTAL DE MUESTRAS", width)
     ]
-    peaks = _peaks(keys, width)
-    key = next((k for k in keys if k.startswith("UNIDADES DE LOS DATOS")), None)
-    if key is None:
-        raise text.fault(
-            "no value of UNIDADES DE LOS DATOS; expected a unit of acceleration", 1
-        )
-    unit = text.unit(*keys[key], "UNIDADES DE LOS DATOS")
-    factor = next(
-        (keys[k] for k in keys if k.startswith("FACTOR DE DECIMACION")), ("1", 1)
-    )
-    if factor[0] and text.number(*factor) != 1.0:
-        raise text.fault(
-            f"found {factor[0]!r}; expected FACTOR DE DECIMACION: 1", factor[1]
-        )
     if len(set(counts)) > 1 or len(set(steps)) > 1:
         raise text.fault(
             "channels of different lengths or steps, which are not read", 1
         )
-    values = text.rows(counts[0], Layout(width))
-    found = zip(names, steps, values.T, peaks, strict=True)
+    said, line = _stated(text, keys, "UNIDADES DE LOS DATOS", "a unit of acceleration")
+    unit = text.unit(said, line, "UNIDADES DE LOS DATOS")
+    factor, line = keys.get(_key(keys, "FACTOR DE DECIMACION"), ("", 1))
+    if factor and text.number(factor, line) != 1.0:
+        raise text.fault(f"found {factor!r}; expected FACTOR DE DECIMACION: 1", line)
+    key = next((k for k in keys if re.match(r"ACEL\. ?MAX\.? ?\(GAL\)", k)), "")
+    listed = [x.strip() for x in keys.get(key, ("", 1))[0].split("/") if x.strip()]
+    peaks = [x if _NUMBER.fullmatch(x) else None for x in listed] + [None] * width
+    values = text.rows(counts[0], Layout(width)).T
+    found = zip(names, steps, values, peaks, strict=False)
     return [Series(name, dt, x.copy(), unit, pga) for name, dt, x, pga in found]
 
 
 def _keys(text: RecordText) -> Keys:
-    """The keys up to the first of two lines of numbers, comments and titles passed
-    over.
-    """
+    """The keys up to the first line of numbers, comments and titles passed over."""
     found: Keys = {}
     while True:
         at, line = text.at, text.line
@@ -67,16 +58,31 @@ def _keys(text: RecordText) -> Keys:
             found.setdefault(pair[1].strip().upper(), (pair[2].strip(), line))
 
 
-def _listed(text: RecordText, keys: Keys, begin: str) -> list[str]:
-    """The values of a key between strokes. Raises DocumentError without any."""
-    key = next((k for k in keys if k.startswith(begin)), begin)
-    value, line = text.value(keys, key, "values between strokes, such as /N00E/V/N90W")
-    found = [x.strip() for x in value.split("/") if x.strip()]
-    if not found:
+def _key(keys: Keys, begin: str) -> str:
+    """The first key that begins so."""
+    return next((k for k in keys if k.startswith(begin)), begin)
+
+
+def _stated(text: RecordText, keys: Keys, begin: str, wanted: str) -> tuple[str, int]:
+    """The value of a key, and its line. Raises DocumentError without one."""
+    return text.value(keys, _key(keys, begin), wanted)
+
+
+def _listed(
+    text: RecordText, keys: Keys, begin: str, width: int = 1
+) -> list[tuple[str, int]]:
+    """The values of a key between strokes, each with its line. Raises DocumentError for
+    fewer than `width`.
+    """
+    wanted = "values between strokes, such as /N00E/V/N90W"
+    value, line = _stated(text, keys, begin, wanted)
+    found = [(x.strip(), line) for x in value.split("/") if x.strip()]
+    if len(found) < width:
         raise text.fault(
-            f"{begin}: found {value!r}; expected values between strokes", line
+            f"{begin}: found {value!r}, {len(found)} values; expected {width} {wanted}",
+            line,
         )
-    return [_direction(x) if begin == "ORIENTACION" else x for x in found]
+    return found
 
 
 def _direction(said: str) -> str:
@@ -85,26 +91,3 @@ def _direction(said: str) -> str:
     if name in ("+", "-"):
         return bearing if name == "+" else f"-{bearing}"
     return name or bearing
-
-
-def _of(text: RecordText, keys: Keys, begin: str, width: int) -> list[tuple[str, int]]:
-    key = next((k for k in keys if k.startswith(begin)), begin)
-    found = _listed(text, keys, begin)
-    line = keys[key][1]
-    if len(found) < width:
-        raise text.fault(f"{begin}: found {len(found)} values; expected {width}", line)
-    return [(x, line) for x in found[:width]]
-
-
-def _peaks(keys: Keys, width: int) -> list[str | None]:
-    """The largest accelerations [gal] that the header states, None if
-    it states none.
-    """
-    key = next((k for k in keys if re.match(r"ACEL\. ?MAX\.? ?\(GAL\)", k)), None)
-    found = (
-        [] if key is None else [x.strip() for x in keys[key][0].split("/") if x.strip()]
-    )
-    number = re.compile(r"[-+]?\d*\.?\d+")
-    return [x if number.fullmatch(x) else None for x in found[:width]] + [None] * (
-        width - len(found)
-    )

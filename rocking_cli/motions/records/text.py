@@ -298,7 +298,7 @@ class RecordText:
         """
         return 1.0 / self.step(text, line, "sampling frequency")
 
-    def seconds(self, word: str, line: int | None = None) -> float:
+    def seconds(self, word: str) -> float:
         """Return the seconds of a unit of time in the header, 1 for an empty word.
 
         Raises DocumentError for a word that is no unit of time.
@@ -306,7 +306,7 @@ class RecordText:
         found = time_unit(word) if word.strip() else 1.0
         if found is None:
             raise self.fault(
-                f"found {word.strip()!r} after a time step; expected s or ms", line
+                f"found {word.strip()!r} after a time step; expected s or ms"
             )
         return found
 
