@@ -1,6 +1,4 @@
-"""Floors of linear buildings against an independent program, the matrix exponential and
-a Runge-Kutta method.
-"""
+"""Floors of linear buildings against an independent program and a Runge-Kutta method."""
 
 import json
 import math
@@ -9,7 +7,6 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
-from scipy.linalg import expm
 
 from rocking_cli import (
     RockingParameters,
@@ -82,27 +79,6 @@ def test_a_sine_agrees_with_its_closed_form(period, xi, gamma_psi, values, peak)
     assert 0.35 * G * found.value(times) == pytest.approx(values, abs=1e-4 * peak)
     assert 0.35 * G * found.value(times[:2]) == pytest.approx(values[:2], abs=5e-8)
     assert 0.35 * G * found.largest == pytest.approx(peak, rel=6e-5)
-
-
-def test_the_samples_agree_with_the_matrix_exponential():
-    ground = record()
-    found = floor_of(ground, ONE)
-    mode, h, a = ONE.modes[0], ground.samples.step, ground.samples.values
-    w = math.tau / mode.period
-    system = np.zeros((4, 4))  # u, u', a, a'
-    system[0, 1] = system[2, 3] = 1.0
-    system[1] = -w * w, -2.0 * mode.damping * w, -1.0, 0.0
-    step, state = expm(system * h), np.zeros(4)
-    wanted = []
-    for i, value in enumerate(a):
-        state[2] = value
-        pull = -2.0 * mode.damping * w * state[1] - w * w * state[0] - value
-        wanted.append(value + mode.gamma_psi * pull)
-        if i + 1 < a.size:
-            state[3] = (a[i + 1] - value) / h
-            state = step @ state
-    times = h * np.arange(a.size - 1)
-    assert found.value(times) == pytest.approx(np.array(wanted[:-1]), abs=1e-12)
 
 
 PULSES = ["cosine", "rectangular", "mavroeidis-papageorgiou"]

@@ -49,17 +49,6 @@ def test_it_rocks_as_the_body_whose_edges_lie_further_inside(text, narrower):
     same(built(text), built(narrower))
 
 
-def test_a_spire_by_hand():
-    spire, r, d = (
-        built("kind: spire\nbase_radius: 1.5\nheight: 12\ninset: 0.2"),
-        1.5,
-        0.2,
-    )
-    inertia = 0.25 * r**2 + 12**2 / 6 + (r - d) ** 2  # about the pivot, of a thin wall
-    assert spire.p**2 == pytest.approx(9.81 * math.hypot(4, r - d) / inertia, rel=1e-13)
-    assert spire.eta == pytest.approx(1 - 2 * (r - d) ** 2 / inertia, rel=1e-13)
-
-
 def test_a_one_sided_wall_still_meets_its_backing_at_its_top():
     # half widths and heights; I_G/m, then the vectors from edges and top to the mass
     # centre

@@ -1,14 +1,12 @@
-"""Loads on rigid bodies: an independent program, closed forms, limits, motions by
-another hand, and what is refused.
+"""Loads on rigid bodies: an independent program, closed forms, limits, and
+what is refused.
 """
 
 import math
 
-import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from oracles.mechanism_pulse import OneWay, Part, peak
 from support.bodies import rotation_under
 from support.documents import built
 from support.refusals import refuses
@@ -131,39 +129,6 @@ def test_each_side_is_its_closed_form(k, x, z, inertia):
         p = math.sqrt(G * m * reach / (about + k * m * rises))
         uplift = math.tan(alpha) if inertia == "both" else (b + k * d) / h
         assert own[:3] == pytest.approx((uplift, alpha, p), rel=1e-9)
-
-
-def _one_way(side, k, at, inertia):
-    """The block with a load k times as heavy, by the places of both."""
-    b, h, m = 0.25, 1.0, 2000.0
-
-    def place(point):
-        x, z = point[0] - side * b, point[1]
-        # the rotation is positive towards +x
-        return lambda phi: np.array(
-            [
-                side * b + x * math.cos(phi) + side * z * math.sin(phi),
-                z * math.cos(phi) - side * x * math.sin(phi),
-                side * phi,
-            ]
-        )
-
-    body = Part(m, m * (4.0 * b * b + 4.0 * h * h) / 12.0, place((0.0, h)))
-    pushed, heavy = inertia == "both", inertia != "none"
-    return OneWay([body, Part(k * m, 0.0, place(at), pushed, heavy)], 0.4)
-
-
-@pytest.mark.parametrize("inertia", ["vertical", "none", "both"])
-@pytest.mark.parametrize("a_g", [3.6, -3.6, 6.0])
-def test_the_motion_is_that_of_differences_of_places(inertia, a_g):
-    k, at = 0.5, (0.06, 2.1)
-    structure = loaded(inertia, f"at: [{at[0]}, {at[1]}]", f"{k * 2000 * G!r}")
-    sides = {s: _one_way(s, k, at, inertia) for s in (1, -1)}
-    left, right = structure.sides
-    eta = {1: right.eta, -1: left.eta}
-    wanted = peak(sides, eta, a_g, 0.7)
-    found = rotation_under(structure, a_g, 0.7)
-    assert found == (wanted if wanted is None else pytest.approx(wanted, abs=1e-7))
 
 
 @pytest.mark.parametrize("inertia", ["vertical", "none", "both"])

@@ -11,13 +11,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from support.documents import built
-from support.edge_rocker import EdgeRocker
 
 from rocking_cli import DocumentError
-from rocking_cli.structures.kinds.spire import Spire
-from rocking_cli.structures.mechanics.kinematics import linearise
-from rocking_cli.structures.mechanics.moments import Moments
-from rocking_cli.structures.mechanics.plane import polygon_moments
 
 WALL = "kind: wall\nthickness: 0.6\nheight: 5\n"
 STATUE = (
@@ -136,43 +131,6 @@ def test_a_frame_is_makris_and_vassilious(gamma, slenderness, columns):
         1 - 1.5 * math.sin(column.alpha) ** 2 + 3 * gamma * math.cos(2 * column.alpha)
     ) / (1 + 3 * gamma)
     assert frame.eta == pytest.approx(expected, rel=1e-12, abs=0)
-
-
-def test_block_point_mass_and_spire_pass_through_the_general_mechanism():
-    thin = "kind: spire\nbase_radius: 1.5\nheight: 12\n"
-    whole, cracked = (
-        Spire(1.5, 12.0, 0.0, 12.0, 0.0),
-        Spire(1.5, 12.0, 0.15, 10.8, 10.8),
-    )
-    for text, mechanism in (
-        (
-            "kind: block\nwidth: 0.5\nheight: 2",
-            EdgeRocker(
-                polygon_moments([(-0.25, 0), (0.25, 0), (0.25, 2), (-0.25, 2)]), 0.25
-            ),
-        ),
-        (
-            "kind: point_mass\nwidth: 1.2\nheight: 4",
-            EdgeRocker(Moments(1.0, 0.0, 4.0, 16.0), 0.6),
-        ),
-        (thin, EdgeRocker(whole.rocking(), 1.5, whole.rocking(both=True))),
-        (
-            thin + "thickness: 0.15\ncrack: diagonal\n",
-            EdgeRocker(cracked.rocking(), 1.5, cracked.rocking(both=True)),
-        ),
-    ):
-        wanted, found = built(text), linearise(mechanism)
-        shared, own = mechanism.overlap()
-        numbers = (
-            math.sqrt(9.81 * found.stiffness),
-            found.alpha,
-            found.uplift,
-            shared / own,
-            found.a_scale_3_7,
-        )
-        assert numbers == pytest.approx(
-            (wanted.p, wanted.alpha, wanted.uplift, wanted.eta, 1.0), rel=1e-10, abs=0
-        )
 
 
 BLOCK = "kind: block\nwidth: 0.6\nheight: 6"

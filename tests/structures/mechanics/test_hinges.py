@@ -1,11 +1,10 @@
 """Where an arch hinges: the search against its line of thrust and published values."""
 
-import itertools
 import math
 
 import numpy as np
 import pytest
-from hypothesis import assume, example, given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from oracles.thrust_line import largest_tilt
 from scipy.optimize import brentq
@@ -13,7 +12,7 @@ from support.documents import built
 
 from rocking_cli import DocumentError
 from rocking_cli.structures.mechanics.hinges import search_continuous, search_joints
-from rocking_cli.structures.mechanics.ring import Ring, arch_linkage
+from rocking_cli.structures.mechanics.ring import Ring
 
 RING = Ring(10.0, 1.5, math.radians(157.5))
 
@@ -30,25 +29,6 @@ def test_continuous_minimum_leaves_the_springing_as_the_static_theorem_proves():
     assert uplift == pytest.approx(0.3533838581583, abs=1e-12)
     fine = largest_tilt(1.0, 0.15, RING.angle, 630)
     assert uplift < fine < uplift + 2e-6 < 0.353498
-
-
-@pytest.mark.parametrize(
-    ("beta", "thickness", "count"),
-    [
-        (157.5, 0.15, 7),
-        (157.5, 0.15, 100),
-        (180, 0.13, 25),
-        (120, 0.1, 30),
-        (200, 0.25, 24),
-    ],
-)
-def test_search_equals_the_static_theorem(beta, thickness, count):
-    ring = Ring(1.0, thickness, math.radians(beta))
-    found = search_joints(ring, np.linspace(0, ring.angle, count + 1))
-    assert found.four_hinges
-    assert found.uplift == pytest.approx(
-        largest_tilt(1.0, thickness, ring.angle, count), abs=1e-11
-    )
 
 
 def test_semicircle_of_least_thickness():
@@ -72,24 +52,9 @@ def test_semicircle_of_least_thickness():
     assert built("kind: arch\nradius: 1\nthickness: 0.108\nangle: 180 deg").uplift > 0
 
 
-@settings(max_examples=3)
-@given(st.floats(130, 200), st.floats(0.13, 0.3), st.integers(0, 2**32 - 1))
-def test_minimum_is_not_above_any_admissible_mechanism(beta, thickness, seed):
-    ring = Ring(1.0, thickness, math.radians(beta))
-    found = search_continuous(ring)
-    assume(found.four_hinges)  # short thick arches: joints open whole
-    random, tried = np.random.default_rng(seed), 0
-    for _ in range(300):
-        linkage = arch_linkage(ring, ring.angle * np.sort(random.uniform(size=4)))
-        (one, two, three), at = linkage.swaying
-        if one > two < three > 0.0 and at.push > 0.0:
-            assert found.uplift <= at.lift / at.push + 1e-12
-            tried += 1
-    assert tried > 5
-
-
 @settings(max_examples=50)
 @given(st.floats(60, 270), st.floats(0.06, 0.9), st.integers(3, 40))
+@example(157.5, 0.15, 100)
 @example(149.336, 0.95, 30)  # whose joints open over their whole depth
 def test_forces_of_the_joints_and_line_of_thrust_agree(angle, thickness, voussoirs):
     ring = Ring(10.0, 10.0 * thickness, math.radians(angle))
@@ -99,17 +64,6 @@ def test_forces_of_the_joints_and_line_of_thrust_agree(angle, thickness, voussoi
         assert found is None or found.uplift == math.inf
     else:
         assert found.uplift == pytest.approx(expected, rel=1e-9, abs=1e-9)
-
-
-def test_the_least_linkage_governs_where_four_hinges_do():
-    """Of all choices of four joints, by their linkages."""
-    joints = np.linspace(0.0, RING.angle, 10)
-    found, least = search_joints(RING, joints), math.inf
-    for angles in itertools.combinations(joints, 4):
-        (one, two, three), at = arch_linkage(RING, angles).swaying
-        if one > two < three > 0.0 and at.push > 0.0:
-            least = min(least, at.lift / at.push)
-    assert found.uplift == pytest.approx(least, rel=1e-12)
 
 
 def test_an_arch_whose_joints_open_whole_has_no_governing_linkage():
