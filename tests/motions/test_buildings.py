@@ -1,4 +1,4 @@
-"""Floors of linear buildings against an independent program and a Runge-Kutta method."""
+"""Floors of linear buildings against an independent program and Runge-Kutta."""
 
 import json
 import math

@@ -1,5 +1,5 @@
-"""Loads on rigid bodies: an independent program, closed forms, limits, and
-what is refused.
+"""Loads on rigid bodies: an independent program, closed forms, limits, and what
+is refused.
 """
 
 import math
