@@ -28,7 +28,8 @@ _FORMATS = (
     (b"Rar!", "a RAR archive", "unpack it"),
     (b"%PDF", "a PDF", "copy its numbers into a text file"),
     (b"\x89HDF", "an HDF5 file", "export it as CSV"),
-    (b"CDF", "a netCDF file", "export it as CSV"),
+    (b"CDF\1", "a netCDF file", "export it as CSV"),
+    (b"CDF\2", "a netCDF file", "export it as CSV"),
     (b"\x89PNG", "a picture", "write its numbers into a text file"),
     (b"\xff\xd8\xff", "a picture", "write its numbers into a text file"),
     (b"{\\rtf", "a document of a word processor (.rtf)", "save it as plain text"),
@@ -190,6 +191,8 @@ def packed(raw: bytes) -> tuple[str, str] | None:
     """Return (what a file is, what to do with it) for a format that holds no text, None
     for any other bytes.
     """
+    if raw[257:262] == b"ustar":
+        return "a tar archive", "unpack it"
     if raw.startswith(b"PK\x03\x04"):
         return next((name, advice) for inside, name, advice in _PACKED if inside in raw)
     return next(

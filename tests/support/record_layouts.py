@@ -10,6 +10,7 @@ import pytest
 
 from rocking_cli.errors import DocumentError
 from rocking_cli.motions.records import Record, read_records
+from rocking_cli.motions.records.record import accepted
 
 
 def wave(count: int, peak: float = 1.0) -> np.ndarray:
@@ -80,6 +81,6 @@ def refusal(path: Path, text: str | None = None, **given: Any) -> str:
     if text is not None:
         path.write_text(text)
     with pytest.raises(DocumentError) as error:
-        read_records(path, **given)
+        accepted(read_records(path, **given))
     assert "\n" not in str(error.value)
     return str(error.value)

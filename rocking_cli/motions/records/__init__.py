@@ -33,6 +33,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypedDict, Unpack
 
 from ...documents.files import LARGEST, STDIN, named_after, read_bytes
+from ...documents.texts import packed
 from ...errors import DocumentError, NoAcceleration, UsageError
 from ...plugins import blamed, installed
 from . import asdf, plain
@@ -40,7 +41,7 @@ from .cut_files import cut_number
 from .directions import up_in_name
 from .encodings import as_utf_8
 from .printed_numbers import finite_number
-from .record import Given, Record, Series, accepted, pick, record_of, require_series
+from .record import Given, Record, Series, pick, record_of, require_series
 from .text import HEAD, RecordText, cut_lines
 from .units import ACCELERATIONS
 
@@ -66,7 +67,6 @@ GROUP = "rocking.records"
 _PACKED = b"\x1f\x8b"  # gzip
 # control characters, which a text does not contain
 _CONTROL = bytes(x for x in range(32) if x not in b"\t\n\v\f\r\x1a")
-_OLD_WORKBOOK = b"\xd0\xcf\x11\xe0"  # .xls
 _COUNTS = (
     "counts of an instrument and no unit; convert it to an acceleration with the"
     " station's response first"
@@ -248,13 +248,11 @@ class Stated(TypedDict, total=False):
 
 
 def read_records(path: str | Path, **stated: Unpack[Stated]) -> list[Record]:
-    """Return the components of a record file. Raises UsageError and DocumentError."""
-    return accepted(_read(path, Given.of(stated)))
-
-
-def _read(path: str | Path, given: Given) -> list[Record]:
+    """Return the components of a record file, also one whose `fault` says that it is
+    no ground motion. Raises UsageError and DocumentError.
+    """
     source, raw = read_bytes(path)
-    records = records_of(source, raw, given)
+    records = records_of(source, raw, Given.of(stated))
     if records is None:
         raise DocumentError(unknown(source, raw))
     return records
@@ -309,10 +307,10 @@ def read_record(
     >>> record.npts, record.dt
     (1600, 0.01)
     """
-    stated = Given.of(
-        Stated(unit=unit, dt=dt, column=column, skip=skip, as_it_stands=as_it_stands)
+    found = read_records(
+        path, unit=unit, dt=dt, column=column, skip=skip, as_it_stands=as_it_stands
     )
-    return pick(_read(path, stated), component)
+    return pick(found, component)
 
 
 def record_from(given: Record | str | Path) -> Record:
@@ -337,12 +335,12 @@ def is_record(path: str) -> bool:
     """
     with open(path, "rb") as file:
         begin = file.read(8)
-        packed = begin.startswith(_PACKED)
         file.seek(0)
         if asdf.recognise(begin):
             return asdf.recognise(file.read())
+        gzipped = begin.startswith(_PACKED)
         try:
-            raw = gzip.GzipFile(fileobj=file).read(HEAD) if packed else file.read(HEAD)
+            raw = (gzip.GzipFile(fileobj=file) if gzipped else file).read(HEAD)
         except (OSError, EOFError, zlib.error):
             return False
     return _format_of(path, RecordText(path, raw).head)[0] is not None
@@ -381,47 +379,25 @@ def unpacked(source: str, raw: bytes) -> bytes:
     return unpacked
 
 
-def _is_workbook(raw: bytes) -> bool:
-    return b"xl/" in raw or b"opendocument.spreadsheet" in raw[:HEAD]
-
-
 def _refuse_binary(source: str, raw: bytes) -> None:
     """Raise DocumentError for an empty file, NoAcceleration for archives, SAC, miniSEED
     and all else that is no text.
     """
     if not (raw[:HEAD].strip() or raw.strip()):
         raise DocumentError(f"{source}: empty; expected a record or a motion document")
-    if raw.startswith(_OLD_WORKBOOK) or (
-        raw.startswith(b"PK\x03\x04") and _is_workbook(raw)
-    ):
+    if found := packed(raw):
         raise NoAcceleration(
-            f"{source}: a workbook of a spreadsheet; save it as CSV UTF-8"
+            f"{source}: found {found[0]}; expected a record in text: {found[1]}"
         )
-    if raw.startswith(b"PK\x03\x04") or raw[257:262] == b"ustar":
-        raise NoAcceleration(
-            f"{source}: an archive (zip or tar); unpack it and name the files in it"
-        )
-    if raw[:3] == b"MS\x03" or (
-        raw[:6].strip(b" 0123456789") == b""
-        and raw[6:7] in b"DRQM"
-        and raw[7:8] in b" \0"
-        and len(raw) >= 48
-    ):
-        raise NoAcceleration(f"{source}: miniSEED, which holds {_COUNTS}")
-    # The version of a SAC header (6 or 7), in either order of bytes.
-    if len(raw) >= 632 and raw[304:308] in (
-        b"\x06\0\0\0",
-        b"\0\0\0\x06",
-        b"\x07\0\0\0",
-        b"\0\0\0\x07",
-    ):
-        raise NoAcceleration(f"{source}: SAC, which holds {_COUNTS}")
-    # -12345 is the undefined value of a SAC header.
-    if (
-        raw[:HEAD].split(None, 6)[:5] == [b"-12345.00"] * 5
-        or raw[:HEAD].count(b"-12345.00") > 20
-    ):
-        raise NoAcceleration(f"{source}: SAC (alphanumeric), which holds {_COUNTS}")
+    # the version of a SAC header (6 or 7), in either order of bytes
+    sac = raw[304:308].strip(b"\0") in (b"\x06", b"\x07") and len(raw) >= 632
+    # -12345 is the undefined value of a SAC header
+    sac = sac or raw[:HEAD].count(b"-12345.00") > 20
+    seed = raw[:6].strip(b" 0123456789") == b"" and raw[6:7] in b"DRQM"
+    seed = seed and raw[7:8] in b" \0" and len(raw) >= 48
+    if sac or seed or raw[:3] == b"MS\x03":
+        form = "SAC" if sac else "miniSEED"
+        raise NoAcceleration(f"{source}: {form}, which holds {_COUNTS}")
     control = len(raw[:HEAD]) - len(raw[:HEAD].translate(None, _CONTROL))
     # The headers of some real files have a few of these to fill up a name.
     if 100 * control > len(raw[:HEAD]):

@@ -252,7 +252,7 @@ def test_another_hdf5_file_is_no_record(tmp_path):
     with h5py.File(held, "w") as file:
         file["theta_ratio"] = np.zeros(3)
     (tmp_path / "s.h5").write_bytes(held.getvalue())
-    with pytest.raises(NoAcceleration, match="a binary file"):
+    with pytest.raises(NoAcceleration, match="found an HDF5 file"):
         read_records(tmp_path / "s.h5")
     assert not holds_records(str(tmp_path / "s.h5"))
 
