@@ -99,8 +99,8 @@ def _at(part: Document, axis: float) -> tuple[Point, Point]:
     if not part.has("at"):
         wanted = f"{_POINT}; or bearing: one of {', '.join(BEARINGS)}"
         raise part.missing("at", wanted)
-    x, z = part.pair("at", part.values["at"], "length", "point", _POINT)
-    return (x, z), ((2.0 * axis - x if part.flag("mirrored") else x), z)
+    at = part.pair("at", part.values["at"], "length", "point", _POINT)
+    return at, plane.mirrored(at, axis) if part.flag("mirrored") else at
 
 
 def loaded(

@@ -159,13 +159,13 @@ def _check_varied(document: Document, details: dict[str, Any]) -> None:
     same keys to names of units.
     """
     values, units = (details.get(key, {}) for key in VARIED)
-    numbers = isinstance(values, dict) and all(
-        isinstance(value, float) for value in values.values()
-    )
-    names = isinstance(units, dict) and all(
-        isinstance(unit, str) or unit is None for unit in units.values()
-    )
-    if not (numbers and names and (not units or units.keys() == values.keys())):
+    fits = isinstance(values, dict) and isinstance(units, dict)
+    if not (
+        fits
+        and {type(number) for number in values.values()} <= {float}
+        and {type(unit) for unit in units.values()} <= {str, type(None)}
+        and (not units or units.keys() == values.keys())
+    ):
         raise document.fault(
             "varied",
             "values of another form",

@@ -14,7 +14,7 @@ from typing import NamedTuple, Self
 from ...errors import StructureError
 from ..sketch import Outline, Point
 from .moments import BOTH, Moments
-from .plane import Line, apart, distance_to, sides_of
+from .plane import Line, apart, distance_to, mirrored, sides_of
 
 GROUND = "ground"
 NEAR = 1e-6  # of the size: points that are so close are one point
@@ -59,6 +59,11 @@ class Slide(NamedTuple):
     body: str  # its name
     at: Point  # the point at rest [m]
     along: Point = (0.0, 1.0)  # direction of the line
+
+    @property
+    def bodies(self) -> tuple[str]:
+        """The name of the body alone."""
+        return (self.body,)
 
 
 class Rigid(NamedTuple):
@@ -127,11 +132,7 @@ class Assembly:
         """Return the names of the bodies that move as one, a list for each link; the
         first link is the ground with all bodies that stay.
         """
-        named = {
-            name
-            for joint in joints
-            for name in ((joint.body,) if isinstance(joint, Slide) else joint.bodies)
-        }
+        named = {name for joint in joints for name in joint.bodies}
         group = {name: {name} for name in (GROUND, *self.names)}
         groups = [joint.bodies for joint in joints if isinstance(joint, Rigid)]
         free = tuple(name for name in self.names if name not in named)
@@ -192,12 +193,16 @@ class Assembly:
     def with_bearings(self, axis: float) -> Assembly:
         """Return the assembly with each mirrored load on its mirrored point."""
         loads = tuple(
-            load._replace(at=(2.0 * axis - load.at[0], load.at[1]))
-            if load.mirrored
-            else load
+            load._replace(at=mirrored(load.at, axis)) if load.mirrored else load
             for load in self.loads
         )
         return replace(self, loads=loads)
+
+
+def numbered(groups: Sequence[Sequence[str]]) -> dict[str, int]:
+    """Return the index of the group of each body; that of the ground is 0."""
+    found = {name: i for i, group in enumerate(groups) for name in group}
+    return {GROUND: 0} | found
 
 
 def mirror_image(
@@ -206,18 +211,15 @@ def mirror_image(
     """Return the joints mirrored about x = axis, on the mirror images of their
     bodies.
     """
-
-    def point(at: Point) -> Point:
-        return (2.0 * axis - at[0], at[1])
-
     found: list[Joint] = []
     for joint in joints:
         if isinstance(joint, Hinge):
             first, second = (image[name] for name in joint.bodies)
-            found.append(Hinge((first, second), point(joint.at)))
+            found.append(Hinge((first, second), mirrored(joint.at, axis)))
         elif isinstance(joint, Slide):
             along = (-joint.along[0], joint.along[1])
-            found.append(Slide(image[joint.body], point(joint.at), along))
+            at = mirrored(joint.at, axis)
+            found.append(Slide(image[joint.body], at, along))
         else:
             found.append(Rigid(tuple(image[name] for name in joint.bodies)))
     return tuple(found)
@@ -271,9 +273,8 @@ def _shared(a: Line, b: Line, near: float) -> Line | None:
 
 
 def _image(body: PlanarBody, axis: float) -> PlanarBody:
-    outline = tuple((2.0 * axis - x, z) for x, z in reversed(body.outline))
-    x, z = body.centre
-    return body._replace(centre=(2.0 * axis - x, z), outline=outline)
+    outline = tuple(mirrored(corner, axis) for corner in reversed(body.outline))
+    return body._replace(centre=mirrored(body.centre, axis), outline=outline)
 
 
 def _alike(one: PlanarBody, other: PlanarBody, near: float) -> bool:

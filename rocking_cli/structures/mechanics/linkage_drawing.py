@@ -11,6 +11,7 @@ import numpy as np
 from ..sketch import Lines, Outline, Point, Sketch, circle
 from .assembly import Assembly, Load, Slide
 from .linkage import Linkage
+from .plane import mirrored
 
 if TYPE_CHECKING:
     from ..parameters import RockingParameters
@@ -54,7 +55,10 @@ def drawn(
         if left is not None:
             return _posed(left, -theta)
         posed = _posed(right, -theta)
-        one, other = ([_mirrored(x, about) for x in outlines] for outlines in posed)
+        one, other = (
+            [tuple(mirrored(corner, about) for corner in x) for x in outlines]
+            for outlines in posed
+        )
         return one, other
 
     return Sketch(
@@ -84,10 +88,6 @@ def _posed(linkage: Linkage, phi: float) -> tuple[list[Outline], list[Outline]]:
         places = linkage.motion(at, chains).place[0]
         moved.append(tuple((float(p.real), float(p.imag)) for p in places))
     return moved, still
-
-
-def _mirrored(outline: Outline, axis: float) -> Outline:
-    return tuple((2.0 * axis - x, z) for x, z in outline)
 
 
 def load_arrows(

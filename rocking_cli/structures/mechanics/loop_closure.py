@@ -21,7 +21,7 @@ import numpy as np
 
 from ...arrays import Array
 from ..sketch import Point
-from .assembly import GROUND, Assembly, Face, Hinge, Joint, MechanismFault, Slide
+from .assembly import Assembly, Face, Hinge, Joint, MechanismFault, Slide, numbered
 
 _CLOSED = 1e-9  # of the size: the largest gap of a closed loop
 _NO_TURN = 1e-9  # of the fastest motion: a body that turns less does not turn
@@ -92,8 +92,7 @@ class LoopClosure:
     @cached_property
     def link_of(self) -> dict[str, int]:
         """Index of the link of each body."""
-        found = {name: i for i, link in enumerate(self.links) for name in link}
-        return {GROUND: 0} | found
+        return numbered(self.links)
 
     @cached_property
     def _chains(self) -> tuple[Array, Array, list[int]]:

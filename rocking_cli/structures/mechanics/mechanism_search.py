@@ -8,7 +8,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import replace
 
-from .assembly import Assembly, Hinge, Joint, MechanismFault, Slide, mirror_image
+from .assembly import Assembly, Joint, MechanismFault, Rigid, Slide, mirror_image
 from .linkage import Linkage
 from .mechanism_side import MechanismSide
 from .statics import Governing, Statics, bodies_alone
@@ -23,9 +23,7 @@ def searched_joints(
     """Return the joints of the mechanism of the least lambda towards +x (side = 1) or
     -x; joints: the sliders and rigid groups that are given. Raises MechanismFault.
     """
-    links = assembly.links(
-        (*joints, *(Hinge((name, name), (0.0, 0.0)) for name in assembly.names))
-    )
+    links = assembly.links((*joints, *(Rigid((name,)) for name in assembly.names)))
     sliders = tuple(joint for joint in joints if isinstance(joint, Slide))
     statics = Statics(assembly, tuple(tuple(link) for link in links), sliders)
     found = statics.governing(side)
@@ -73,11 +71,7 @@ def mirrored_joints(
     MechanismFault.
     """
     turning, image = first.turning, assembly.images(axis)
-    named = {
-        name
-        for joint in first.joints
-        for name in ((joint.body,) if isinstance(joint, Slide) else joint.bodies)
-    }
+    named = {name for joint in first.joints for name in joint.bodies}
     lacking = [name for name in assembly.names if name in named - image.keys()]
     again: tuple[Joint, ...] = ()
     if not lacking:

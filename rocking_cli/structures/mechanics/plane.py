@@ -16,6 +16,11 @@ def sides_of(outline: Sequence[Point]) -> list[Line]:
     return list(pairwise((*outline, outline[0]))) if outline else []
 
 
+def mirrored(point: Point, axis: float) -> Point:
+    """Return the mirror image of a point about x = axis."""
+    return (2.0 * axis - point[0], point[1])
+
+
 def polygon_moments(corners: Sequence[Point]) -> Moments:
     """Return mass, first moments and polar moment of a polygon of unit density, by
     Green's theorem; in clockwise order all four have the opposite sign.

@@ -17,7 +17,17 @@ import numpy as np
 
 from ...arrays import Array
 from ..sketch import Point
-from .assembly import GROUND, NEAR, Assembly, Face, Hinge, Joint, Rigid, Slide
+from .assembly import (
+    GROUND,
+    NEAR,
+    Assembly,
+    Face,
+    Hinge,
+    Joint,
+    Rigid,
+    Slide,
+    numbered,
+)
 from .moments import BOTH
 
 _STILL = 1e-6  # of the largest velocity of the dual: a relative velocity that is zero
@@ -65,8 +75,7 @@ class Statics:
 
     @cached_property
     def _group(self) -> dict[str, int]:
-        found = {name: i for i, group in enumerate(self.groups) for name in group}
-        return {GROUND: 0} | found
+        return numbered(self.groups)
 
     def _pair(self, bodies: Sequence[str]) -> frozenset[int]:
         """The groups of the bodies of a face or a hinge."""
@@ -195,23 +204,25 @@ class Statics:
         size, rates = self.assembly.size, self._rates(moved)
         fastest = max((abs(x) for pair in rates for x in pair), default=0.0)
         opens = [[x > _STILL * fastest for x in pair] for pair in rates]
-        whole = _joined(
-            len(self.groups),
-            [
-                tuple(self._group[name] for name in face.bodies)
-                for face, ends in zip(self.faces, opens, strict=True)
-                if not any(ends)
-            ],
-        )
+        closed = [
+            face.bodies
+            for face, ends in zip(self.faces, opens, strict=True)
+            if not any(ends)
+        ]
+        stay, *alone = self.groups
+        links = self.assembly.links([*map(Rigid, ((GROUND, *stay), *closed, *alone))])
+        link_of = numbered(links)
         hinges: dict[tuple[frozenset[int], Point], Hinge] = {}
         for face, ends in zip(self.faces, opens, strict=True):
-            groups = frozenset(whole[self._group[name]] for name in face.bodies)
+            groups = frozenset(link_of[name] for name in face.bodies)
             if ends[0] != ends[1] and len(groups) == 2:
                 at = face.ends[0] if ends[1] else face.ends[1]
                 hinges.setdefault((groups, _rounded(at, size)), Hinge(face.bodies, at))
         order = sorted(hinges.values(), key=lambda hinge: hinge.at)
-        slides = (s for s in self.sliders if whole[self._group[s.body]] != whole[0])
-        return (*order, *self._rigid(whole), *slides)
+        slides = (slider for slider in self.sliders if link_of[slider.body])
+        still = [Rigid((GROUND, *links[0]))] if links[0] else []
+        whole = (Rigid(tuple(link)) for link in links[1:] if len(link) > 1)
+        return (*order, *still, *whole, *slides)
 
     def _rates(self, moved: Array) -> list[list[float]]:
         """How fast both ends of each face open at these velocities."""
@@ -223,21 +234,6 @@ class Statics:
             ends = [(x - at[1] * turn, z + at[0] * turn) for at in face.ends]
             rates.append([float(np.dot(face.normal, u)) for u in ends])
         return rates
-
-    def _rigid(self, whole: list[int]) -> list[Rigid]:
-        """The groups of bodies that move as one; those that stay, with the ground."""
-        found = []
-        for group in sorted(set(whole)):
-            names = tuple(
-                name
-                for name in self.assembly.names
-                if whole[self._group[name]] == group
-            )
-            if group == whole[0] and names:
-                found.append(Rigid((GROUND, *names)))
-            elif len(names) > 1:
-                found.append(Rigid(names))
-        return found
 
     def carries(self, wanted: dict[str, Array], opening: Array) -> bool:
         """True if compression at the ends of faces that do not open can give these sums
@@ -277,14 +273,3 @@ def bodies_alone(
 
 def _rounded(at: Point, size: float) -> Point:
     return round(at[0] / size, 8), round(at[1] / size, 8)
-
-
-def _joined(count: int, pairs: Sequence[tuple[int, ...]]) -> list[int]:
-    """Return the number of the class of each of `count` things when these pairs are in
-    one class.
-    """
-    classes = list(range(count))
-    for one, other in pairs:
-        old, new = sorted((classes[one], classes[other]), reverse=True)
-        classes = [new if x == old else x for x in classes]
-    return classes

@@ -20,7 +20,6 @@ from typing import TYPE_CHECKING, NamedTuple
 from ..shared_keys import gravity_of, mass_of, weight_of_loads
 
 if TYPE_CHECKING:
-    from ...documents.composition import Value
     from ...documents.document import Document
 
 LARGE = 0.1  # of the half width: a larger inset is remarked on
@@ -206,13 +205,12 @@ def toe_of(document: Document, foot: Foot | str, name: str = "") -> Toe:
     force = vertical_force(document, foot)
     stress = force / foot.area.area
     if not strength > stress:
-        value = document.values["strength"]
         at = f" on {name}" if name else ""
         raise document.fault(
             "strength",
             f"{strength:.6g} Pa, not above the stress under the weight{at},"
             f" {stress / 1e6:.3g} MPa ({stress:.6g} Pa)",
-            f"a larger strength{_meant(value, strength, stress)}",
+            "a larger strength",
         )
     inset = foot.area.inset(force / strength)
     share = inset / foot.area.half
@@ -222,10 +220,3 @@ def toe_of(document: Document, foot: Foot | str, name: str = "") -> Toe:
         " width; cracking and splitting are not in this model"
     )
     return Toe(inset, stress, (remark,) * (share > LARGE))
-
-
-def _meant(value: Value, strength: float, stress: float) -> str:
-    """Return a guess at the unit that a strength lacks."""
-    bare = str(value.content).strip()
-    plain = bare.replace(".", "", 1).isdigit() and 1e6 * strength > stress
-    return f"; did you mean {bare} MPa?" if plain else ""
