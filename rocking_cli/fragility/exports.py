@@ -39,6 +39,8 @@ _DEMANDS = {
 }
 # measures that OpenQuake knows besides SA and AvgSA; it calls Arias IA
 _OF_OPENQUAKE = ("PGA", "PGV", "PGD", "Arias", "CAV")
+# limit states that are no rotation, in words
+_LIMITS = {"overturning": "overturning", "counted": "limit state of the counts"}
 # columns of the CSV of pelicun for each limit state
 _PELICUN_COLUMNS = ("Family", "Theta_0", "Theta_1", "DamageStateWeights")
 _NEAR = 1e-3  # the share rises from 0 within this part below its first level
@@ -223,21 +225,13 @@ def _names(texts: Iterable[str]) -> list[str]:
 
 
 def _order(limit: str) -> float:
-    """Return the place of a limit state: rotations in rising order, then overturning
-    and that of given counts.
-    """
-    return math.inf if limit in ("overturning", "counted") else float(limit)
+    """Return the place of a limit state: rotations in rising order, then the others."""
+    return math.inf if limit in _LIMITS else float(limit)
 
 
 def _of_limit(limit: str) -> str:
     """Return a limit state in the words of an exported file."""
-    if limit == "counted":
-        return "limit state of the counts"
-    return (
-        "overturning"
-        if limit == "overturning"
-        else f"rotation beyond {limit} of the critical angle"
-    )
+    return _LIMITS.get(limit, f"rotation beyond {limit} of the critical angle")
 
 
 def _number(x: float) -> str:
@@ -247,9 +241,8 @@ def _number(x: float) -> str:
 def _nrml(structures: Sequence[Sequence[State]], measure: Measure) -> str:
     """Return the text of an NRML file: a function for each structure."""
     first = structures[0]
-    counts_or_fall = ("overturning", "counted")
     limits = _names(
-        state.limit if state.limit in counts_or_fall else f"theta_{state.limit}"
+        state.limit if state.limit in _LIMITS else f"theta_{state.limit}"
         for state in first
     )
     root = ET.Element("nrml", xmlns=_NRML)

@@ -95,15 +95,13 @@ def members_of(recordings: Sequence[Recording]) -> tuple[MotionMember, ...]:
     found = []
     for r in recordings:
         i, f = r.intensity, abs(r.factor)
-        scaled = Intensity(
-            f * i.pga,
-            i.pga_time,
-            f * i.pgv,
-            f * i.pgd,
-            f * f * i.arias,
-            f * i.cav,
-            i.d5_75,
-            i.d5_95,
+        scaled = replace(
+            i,
+            pga=f * i.pga,
+            pgv=f * i.pgv,
+            pgd=f * i.pgd,
+            arias=f * f * i.arias,
+            cav=f * i.cav,
         )
         found.append(MotionMember(r.label, r.acceleration, 1.0, scaled, recording=r))
     return tuple(found)

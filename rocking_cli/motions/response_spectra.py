@@ -137,7 +137,7 @@ def periods_of(name: str) -> tuple[str, Array] | None:
     if (match := _NAME.fullmatch(name.strip())) is None:
         return None
     mean = match[1].casefold() != "sa"
-    text = match[2] or ("1" if match[1].casefold() != "sa" else "")
+    text = match[2] or ("1" if mean else "")
     try:
         periods = np.array([parse_quantity(part, "time") for part in text.split(",")])
     except ArgumentError as error:
