@@ -52,11 +52,6 @@ REFUSED = [
         "im,n,z\n0.5,9.5,1\n",
         "line 2: n: found '9.5'; expected a whole number of motions, from 1",
     ),
-    (
-        "im,n,z\n0.5,0,0\n",
-        "line 2: n: found '0'; expected a whole number of motions, from 1",
-    ),
-    ("im,n,z\n0.5,9,-1\n", "line 2: z: found '-1'; expected a whole number"),
     ("im,n,z\n0.5,9,1\n0.6,9,10\n", "line 3: z: found 10 of n = 9 motions"),
     ("im [g],n,z\n0.5,9,nan\n", "line 2: z: found 'nan'; expected a number"),
     ("im,n,z\n0.5 g,9,1\n0.7,9,2\n", "line 3: im: found the level 0.7 without a unit"),

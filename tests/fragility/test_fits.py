@@ -7,7 +7,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from scipy.optimize import minimize
-from scipy.stats import binom, norm
+from scipy.stats import norm
 from support.refusals import refuses
 
 from rocking_cli import UsageError
@@ -57,24 +57,6 @@ def test_counts_of_the_literature(x, n, z, theta, beta):
     assert curve(curve.median * np.exp(1.5 * curve.beta)) == pytest.approx(
         norm.cdf(1.5), rel=1e-13
     )
-
-
-def test_stripes_are_the_most_likely_by_another_optimiser():
-    random = np.random.default_rng(4)
-    for _ in range(3):
-        n = random.integers(15, 40, LEVELS.size)
-        z = random.binomial(n, norm.cdf(np.log(LEVELS / 0.6) / 0.5))
-        wanted = likeliest(
-            lambda q, n=n, z=z: (
-                -binom.logpmf(
-                    z, n, norm.cdf((np.log(LEVELS) - q[0]) / np.exp(q[1]))
-                ).sum()
-            )
-        )
-        curve = fit_stripes(LEVELS, n, z)
-        assert (curve.median, curve.beta) == pytest.approx(
-            tuple(wanted), rel=3e-7, abs=0
-        )
 
 
 def test_first_overturnings_without_censoring_are_a_mean_and_a_standard_deviation():

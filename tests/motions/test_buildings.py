@@ -197,12 +197,9 @@ def test_a_floor_is_written_and_read_again(tmp_path):
     [
         (["T=0.4"], "T=0.4: no key 'xi'"),
         (["T=0,xi=0.05"], "T: found 0; expected a period from 0.001 to 1000 s"),
-        (["T=-1 s,xi=0.05"], "expected a period"),
-        (["T=1e300,xi=0.05"], "T: found 1e300; expected a period"),
         (["T=1,xi=0.05,gamma_psi=-1e4"], "gamma_psi: found -1e4; expected a number"),
         (["T=1,xi=0.05,gamma_psi=0"], "found 0; expected a number from.*than zero"),
         (["T=0.4,xi=0"], "xi: found 0; expected a ratio"),
-        (["T=0.4,xi=1"], "xi: found 1; expected a ratio"),
         (["T=0.4,xi=5%"], "xi: found 5%.*did you mean 0.05"),
         (["T=0.4,xi=0.05,psi=1"], "unknown key 'psi'"),
         (["T=0.4,xi=0.05,T=0.5"], "found a key twice"),

@@ -24,10 +24,9 @@ from rocking_cli import (
 from rocking_cli.envelopes.intervals import check_curves, frequency_axis
 from rocking_cli.errors import DocumentError, UsageError
 from rocking_cli.reports.device_words import device_in_words
-from rocking_cli.responses.solving import boundaries
 from rocking_cli.spectra.file.reader import SpectraFile
 from rocking_cli.structures import RockingParameters
-from rocking_cli.structures.family import family, parse_variation
+from rocking_cli.structures.family import family
 from rocking_cli.structures.kinds import sketch_of
 from rocking_cli.structures.restraints import Tie
 
@@ -368,27 +367,6 @@ def test_a_path_leads_to_a_key_of_a_tie():
     assert member.parameters.restraints.ties[0].yield_force == pytest.approx(
         12e3, rel=1e-12
     )
-
-
-@pytest.mark.soak
-def test_solve_varies_a_tie():
-    (document,) = parse_documents(
-        WALL + f"ties:\n- {TIE.replace(', ultimate: 30 mm', '')}", "f.yaml"
-    )
-    shakes = [(sine().scaled(-1.0), parse_grid("a_g=1g,T_g=0.8"))]
-    (found,), remarks = boundaries(
-        document, parse_variation("ties.0.yield=8kN:14kN:2"), shakes
-    )
-    assert (found.side, found.key, len(remarks)) == ("stands above", "ties.0.yield", 1)
-    assert remarks[0].startswith("one direction of the motion only")
-    stands = []
-    for force in (found.value * 0.999, found.value):
-        (member,) = family(document, [f"ties.0.yield={force}N:{force}N:1"])
-        assert member.parameters.restraints.ties[0].yield_force == pytest.approx(
-            force, rel=1e-12
-        )
-        stands.append(check(member.parameters, *shakes[0]).capacity_demand >= 1.0)
-    assert stands == [False, True]
 
 
 REFUSED = [

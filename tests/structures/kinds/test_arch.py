@@ -1,7 +1,6 @@
 """The arch: reference values, families, invariances and refusals."""
 
 import contextlib
-import itertools
 import math
 
 import numpy as np
@@ -150,32 +149,6 @@ def test_family_over_the_papers_range_is_smooth(ratio):
     for name in ("p", "alpha", "uplift", "a_scale", "eta"):
         values = np.array([getattr(a, name) for a in family])
         assert np.abs(np.diff(values)).max() < 0.3 * np.ptp(values), name
-
-
-@pytest.mark.soak
-def test_voussoir_arches_jump_only_where_another_mechanism_takes_over():
-    """With joints fixed the governing mechanism changes: there lambda stays continuous
-    and p, alpha jump, elsewhere nothing does.
-    """
-    family = [
-        built(
-            f"kind: arch\nradius: 10\nthickness: 1.6\nangle: {beta} deg\nvoussoirs: 7"
-        )
-        for beta in np.arange(150, 180.01, 0.25)
-    ]
-    joints = [
-        tuple(
-            round(h["angle"] / (math.radians(150 + 0.25 * i) / 7))
-            for h in a.details["hinges"]
-        )
-        for i, a in enumerate(family)
-    ]
-    changes = np.array([a != b for a, b in itertools.pairwise(joints)])
-    assert 1 <= changes.sum() <= 4
-    assert np.abs(np.diff([a.uplift for a in family])).max() < 0.01
-    for name in ("p", "alpha"):
-        steps = np.abs(np.diff([getattr(a, name) for a in family]))
-        assert steps[~changes].max() < 0.1 * steps[changes].min()
 
 
 @pytest.mark.parametrize(

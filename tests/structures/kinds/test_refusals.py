@@ -49,20 +49,12 @@ REFUSED = {
             "thickness: found 1: the arch cannot carry its own weight",
         ),
         (
-            "radius: 10\nthickness: 1.5\nangle: 0",
-            "angle: found 0; expected an angle between 0 and 360 deg",
-        ),
-        (
             "radius: 10\nthickness: 1.5\nangle: 360 deg",
             "found 360 deg; expected an angle between 0 and 360 deg",
         ),
         (
             "radius: 10\nthickness: 20\nangle: 90 deg",
             "found 20; expected a length between 1e-09 m and 20 m",
-        ),
-        (
-            "radius: 10\nthickness: -1\nangle: 90 deg",
-            "found -1; expected a length between",
         ),
         (
             (
@@ -83,20 +75,12 @@ REFUSED = {
             ),
         ),
         (
-            "radius: 1\nthickness: 0.74\nangle: 255 deg\nvoussoirs: 6",
-            "no linkage of four hinges that governs",
-        ),
-        (
             "radius: 1\nthickness: 1.62\nangle: 303.2 deg\nvoussoirs: 16",
             "cannot carry its own weight",
         ),
         (
             "radius: 5\nangle: 2\nthickness: 5\nmeasured: extrados",
             "thickness: found 5; expected a length between 1e-09 m and 5 m",
-        ),
-        (
-            "radius: 5\nangle: 2\nthickness: 10",
-            "thickness: found 10; expected a length between 1e-09 m and 10 m",
         ),
         ("radius: 1e200\nthickness: 1\nangle: 1\nvoussoirs: 12", "radius: found 1e200"),
         (
@@ -113,16 +97,7 @@ REFUSED = {
             "radius: 1\nheight: 6\noffset: 1",
             "offset: found 1; expected a length between -1 and 1 m, above its base",
         ),
-        (
-            "drums: [{radius: 1, height: 2}, {radius: 1, height: 2, offset: 2}]",
-            "drum 2 from below apart from the one",
-        ),
-        (
-            "drums: [{radius: 1, height: 2}, {radius: 1, height: 2, offset: 1.5}]",
-            "drum 2 from below, with the pieces on it",
-        ),
         ("base_radius: 1\ntop_radius: -1\nheight: 3", "top_radius: found -1"),
-        ("base_radius: 1\ntop_radius: 1e200\nheight: 3", "top_radius: found 1e200"),
     ],
     "kind: frame\n": [
         (
@@ -184,27 +159,15 @@ REFUSED = {
             "one_sided: true\nleft: 1\nright: 1\nheight: 3\ngyration: 1",
             "does not define its impact on the backing",
         ),
-        (
-            (
-                "one_sided: true\nleft: 1\nright: 2\nheight: 3\ngyration:"
-                " 1\nrestitution: auto"
-            ),
-            "does not define its impact on the backing",
-        ),
     ],
     "kind: spire\nbase_radius: 1.5\nheight: 12\n": [
         (
             "thickness: 1.5",
             "thickness: found 1.5; expected a positive length below base_radius",
         ),
-        ("thickness: 0", "found 0; expected a positive length below"),
         (
             "thickness: 0.15\ncrack: diagonal\ncrack_height: 11",
             "crack_height: found 11; expected a length from 0 .the base. to 10.8 m",
-        ),
-        (
-            "thickness: 0.15\ncrack: diagonal\ncrack_height: -1",
-            "crack_height: found -1",
         ),
         ("thickness: 0.15\ncrack: diagonal\ntip_height: 13", "tip_height: found 13"),
         ("crack: diagonal", "a crack up to the apex"),
@@ -237,10 +200,6 @@ REFUSED = {
             "f.yaml:2:29: unknown key 'heigth' .did you mean 'height'",
         ),
         (
-            "pieces: [{width: 1, height: 2, colour: red}]",
-            "f.yaml:2:40: unknown key 'colour'",
-        ),
-        (
             "pieces: [{width: 1, height: 2, density: 1}, {width: 1, height: 2}]",
             "density for every piece, or for none",
         ),
@@ -258,7 +217,6 @@ REFUSED = {
             "eta: 0.4",
             "f.yaml:6:6: eta: found 0.4; expected a number above -1 and up to 0",
         ),
-        ("eta: -1", "found -1; expected a number above -1"),
         (
             "eta: -0.4\ndamping: 1",
             "damping: found 1; expected a number from 0 to below 1",
@@ -282,10 +240,6 @@ REFUSED = {
         (
             "- {side: right, p: 2, alpha: 0.3, a_scale: 1, ata: 0.8}\n",
             "did you mean 'eta'",
-        ),
-        (
-            "- {side: right, p: 2, alpha: 0.3, a_scale: 1, eta: 0.8, q: 1}\n",
-            "f.yaml:4:60: unknown key 'q'",
         ),
         (
             "- {side: right, p: 2, alpha: 0.3, a_scale: 1, eta: 0.8}\nalpha: 0.3",
@@ -316,10 +270,6 @@ REFUSED = {
             "p: 1e200\nalpha: 0.2\nlambda: 0.2\neta: 0.4",
             "f.yaml:2:4: p: found 1e200; expected a positive number, from 1e-150 to",
         ),
-        (
-            "p: 1e-200\nalpha: 0.2\nlambda: 0.2\neta: 0.4\narm: 1",
-            "p: found 1e-200; expected a positive number, from 1e-150 to",
-        ),
         ("p: 1\nalpha: 1e-300\neta: 1\nlambda: 1e300", "a_scale is 0"),
         (
             "p: 1\nalpha: 1e-90\neta: 1\nlambda: 1e-90",
@@ -330,10 +280,6 @@ REFUSED = {
         (
             "width: 1\nheight: 5\nrestitution: 0.4",
             "restitution: found 0.4; expected a number above -1 and up to 0",
-        ),
-        (
-            "width: 1\nheight: 5\nrestitution: -1",
-            "restitution: found -1; expected a number above -1",
         ),
         (
             "width: 4\nheight: 5",
@@ -352,7 +298,6 @@ REFUSED = {
             "width: 1e-300\nheight: 1",
             "width: found 1e-300; expected a positive length, from 1e-09 m",
         ),
-        ("width: 1e300\nheight: 1", "width: found 1e300; expected a length"),
         ("width: 1e7 km\nheight: 1", r"up to 1e\+09 m"),
         (
             "width: 1\nheight: 4\neta: 0.9",
@@ -374,10 +319,6 @@ REFUSED = {
             ),
         ),
         (
-            "{height: 0, stiffness: 1}",
-            "height: found 0; expected a height above the ground",
-        ),
-        (
             "{height: 5, stiffness: -1}",
             r"f.yaml:7:26: stiffness: found -1; expected a stiffness from 0",
         ),
@@ -385,10 +326,6 @@ REFUSED = {
         (
             "{height: 5, stiffness: 1, prestress: 5 kN, yield: 4 kN}",
             r"f.yaml:7:40: prestress: found 5000 N, not below the yield of 4000 N",
-        ),
-        (
-            "{height: 5, stiffness: 1, prestress: 5 kN, yield: 5 kN}",
-            r"f.yaml:7:40: prestress: found 5000 N, not below the yield of 5000 N",
         ),
         (
             "{height: 5, stiffness: 1, yield: 0}",
@@ -400,10 +337,6 @@ REFUSED = {
                 " 14 mm}"
             ),
             "ultimate: found 0.014 m, below the elongation",
-        ),
-        (
-            "{height: 5, stiffness: 1, ultimate: 0}",
-            "ultimate: found 0; expected an elongation at rupture above 0",
         ),
         (
             "{height: 5, stiffness: 1, ultimate: 30}",
@@ -426,10 +359,6 @@ REFUSED = {
                 "f.yaml:7:14: height: found 5,5 m; expected a number; write 5.5 m with"
                 " a decimal point"
             ),
-        ),
-        (
-            "{height: 5, stiffness: 1, prestress: -1}",
-            "prestress: found -1; expected a force from 0",
         ),
         (
             "{height: 5, stiffness: 1, side: left}",
@@ -455,7 +384,6 @@ REFUSED = {
             "{height: 5, stiffnes: 1}",
             "unknown key 'stiffnes' .did you mean 'stiffness'",
         ),
-        ("{height: 5, stiffness: 1, colour: red}", "unknown key 'colour'"),
     ],
     "kind: block\nwidth: 1\nheight: 5\n": [
         (
@@ -466,7 +394,6 @@ REFUSED = {
             "mass: 9\ntendon: {stiffness: 1, prestress: 6 kN, rupture: 5 kN}",
             ":5:50: rupture: found 5000 N, not above the prestress of 6",
         ),
-        ("mass: 9\ntendon: {stiffness: 1, colour: red}", "unknown key 'colour'"),
         ("mass: 9\ntendon: 3", "tendon: found 3; expected a mapping"),
         ("mass: 9\nties: []", "ties: found a list; expected a list of ties"),
         ("mass: 9\nties:", "ties: found nothing; expected the ties, or no such key"),
@@ -477,10 +404,6 @@ REFUSED = {
         (
             "mass: 9\ndampers: {coefficient: 1 kg}",
             "coefficient: found 1 kg; expected a damping coefficient",
-        ),
-        (
-            "inset: -1 mm",
-            r"f.yaml:4:8: inset: found -1 mm; expected a length from 0 to below 0.5 m",
         ),
         (
             "inset: 0.5",
@@ -513,14 +436,6 @@ REFUSED = {
             r"f.yaml:5:7: ties: found ties of kind arch; expected no ties",
         ),
         (
-            "tendon: {stiffness: 1}",
-            "tendon: found tendon of kind arch; expected no tendon",
-        ),
-        (
-            "dampers: {coefficient: 1}",
-            "dampers: found dampers of kind arch; expected no dampers",
-        ),
-        (
             "inset: 1 cm",
             r"f.yaml:5:8: inset: found inset of kind arch; expected no inset",
         ),
@@ -530,7 +445,6 @@ REFUSED = {
             "mass: 1\nties: [{height: 1, stiffness: 1}]",
             "ties: found ties of a body whose arm is not known; expected arm as well",
         ),
-        ("dampers: {coefficient: 1}", "dampers: found dampers of kind parameters"),
         (
             (
                 "mass: 1\narm: 1\nties: [{height: 1, stiffness: 1}]\ndampers:"
@@ -544,10 +458,6 @@ REFUSED = {
         (
             "tendon: {stiffness: 1}",
             "tendon: found tendon of a body with two unequal sides",
-        ),
-        (
-            "dampers: {coefficient: 1}",
-            "dampers: found dampers of a body with two unequal sides",
         ),
         ("inset: 0.3", "inset: found 0.3; expected a length from 0 to below 0.3 m"),
     ],
