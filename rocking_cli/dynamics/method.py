@@ -25,7 +25,7 @@ from .system import System
 
 if TYPE_CHECKING:
     from ..motions.motion import Motion
-    from ..structures.mechanics.kinematics import Mechanism
+    from ..structures.mechanics.linkage import Linkage
     from .outcome import Outcome
     from .references.general_solver import Problem
 
@@ -72,7 +72,7 @@ def _mechanism(structure: RockingParameters, tolerance: float) -> Equation:
     return TwoMechanisms(found) if structure.sides else found[0]
 
 
-def _mechanisms(structure: RockingParameters) -> list["Mechanism"]:
+def _mechanisms(structure: RockingParameters) -> list["Linkage"]:
     """The mechanisms of a structure, of the right side first."""
     return [edge.mechanism for edge in structure.edges if edge.mechanism is not None]
 

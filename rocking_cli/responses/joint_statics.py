@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ..structures.mechanics.joint_forces import JointForces, Moving
-from ..structures.mechanics.linkage import Linkage
 from ..structures.mechanics.measured import Measured
 from ..structures.mechanics.ring import ArchLinkage
 from ..structures.mechanics.ring_forces import RingForces
@@ -15,13 +14,13 @@ from .force_history import Instants
 
 def joints_of(structure: RockingParameters) -> dict[float, JointStatics] | None:
     """Return the forces of each side; None of a structure without such joints."""
-    if not isinstance(structure.mechanism, Linkage):
+    if structure.mechanism is None:
         return None
     g, (left, right) = structure.gravity, structure.left_and_right
     edges, joints = {1.0: right, -1.0: left}, dict[float, JointForces]()
     for side, edge in edges.items():
         linkage = edge.mechanism
-        assert isinstance(linkage, Linkage)
+        assert linkage is not None
         if isinstance(linkage, ArchLinkage):
             joints[side] = RingForces(linkage, g, side < 0.0)
         else:

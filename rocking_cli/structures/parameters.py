@@ -17,7 +17,7 @@ from .restraints import Restraints
 
 if TYPE_CHECKING:
     from ..documents.document import Document
-    from .mechanics.kinematics import Mechanism
+    from .mechanics.linkage import Linkage
 
 # details of a member of a family: SI value by key, and SI unit by key
 VARIED = (
@@ -80,7 +80,7 @@ class Side:
     # R, distance from the edge to the mass centre [m]; None if not known
     arm: float | None = None
     # for the nonlinear model, None for a rigid body
-    mechanism: Mechanism | None = field(default=None, repr=False, compare=False)
+    mechanism: Linkage | None = field(default=None, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         if self.side not in ("left", "right"):
@@ -175,7 +175,7 @@ class RockingParameters(Shown):
     # further results of the kind, by name
     details: Mapping[str, Any] = field(default_factory=dict)
     # for the nonlinear model, None for a rigid body
-    mechanism: Mechanism | None = field(default=None, repr=False, compare=False)
+    mechanism: Linkage | None = field(default=None, repr=False, compare=False)
     sides: tuple[Side, ...] = ()  # (left, right) if the edges differ, else empty
     # True if it rocks on its right edge only; eta includes the impact on its backing
     one_sided: bool = False

@@ -24,7 +24,7 @@ from numpy.lib.stride_tricks import sliding_window_view
 from ...arrays import Array
 from ...errors import ArgumentError
 from ...motions.segments import Segments
-from ...structures.mechanics.kinematics import Mechanism
+from ...structures.mechanics.linkage import Linkage
 from ..drive import summed
 from ..lanes import Lanes
 from .equation import Equation, falls_by_energy
@@ -88,7 +88,7 @@ class MechanismEquation(Equation):
     rotation_proportional = False
 
     def __init__(
-        self, mechanism: Mechanism, tolerance: float = 1e-9, damping: float = 0.0
+        self, mechanism: Linkage, tolerance: float = 1e-9, damping: float = 0.0
     ) -> None:
         super().__init__(damping)
         # fewer terms than for a body: cost ~ terms^3; the table has no more of them

@@ -10,7 +10,8 @@ import numpy as np
 
 from ...arrays import Array
 from ...errors import ArgumentError
-from ...structures.mechanics.kinematics import Mechanism, linearise
+from ...structures.mechanics.kinematics import linearise
+from ...structures.mechanics.linkage import Linkage
 
 DEGREE = 28  # degree of the series of a patch
 _PARTS = 512  # narrow patches that a fitted patch is cut into
@@ -129,7 +130,7 @@ def inverse(table: Patches, coefficients: Array, value: Array, high: float) -> A
 
 
 @lru_cache(maxsize=32)
-def tabulate(mechanism: Mechanism) -> Patches:
+def tabulate(mechanism: Linkage) -> Patches:
     """Computes the coefficients of Eq. 3.4 as functions of y, to rounding. Raises
     ArgumentError as `MechanismEquation`.
     """
@@ -176,7 +177,7 @@ class _PatchPath:
     given y.
     """
 
-    def __init__(self, mechanism: Mechanism, alpha: float, stiffness: float) -> None:
+    def __init__(self, mechanism: Linkage, alpha: float, stiffness: float) -> None:
         # y, F and G are the same by every coordinate of the mechanism.
         self.mechanism, self.most, self.turned = mechanism.beyond_lock()
         self.alpha = alpha

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 if TYPE_CHECKING:
-    from ...structures.mechanics.kinematics import Mechanism
+    from ...structures.mechanics.linkage import Linkage
 
 _PANELS = 16  # between rest and alpha
 _NODES = np.cos(np.pi * (np.arange(14) + 0.5) / 14)  # of a panel, from -1 to 1
@@ -26,7 +26,7 @@ Functions = Callable[[float], tuple[float, float, float]]
 
 
 @lru_cache(maxsize=64)
-def tabulated(mechanism: Mechanism, alpha: float) -> Functions:
+def tabulated(mechanism: Linkage, alpha: float) -> Functions:
     """Return the functions of a mechanism in Eq. 3.4: polynomials on panels, and the
     linkage itself where none is close; alpha: its critical angle [rad].
     """

@@ -23,7 +23,6 @@ from ..mechanics.assembly import (
     Slide,
     on_outline,
 )
-from ..mechanics.linkage import Linkage
 from ..mechanics.linkage_drawing import drawn, linkages_of
 from ..mechanics.moments import BOTH
 from ..mechanics.planar_mechanism import PlanarMechanism, find_mechanism
@@ -257,7 +256,7 @@ def sketch(document: Document, built: RockingParameters) -> Sketch:
     """Return a sketch of the bodies at rest and at alpha in the direction that moves
     first, with numbered hinges, loads and sliders.
     """
-    if isinstance(built.mechanism, Linkage):
+    if built.mechanism is not None:
         right, left = linkages_of(built)
     else:  # one rigid body
         found = _found(document, built.gravity)

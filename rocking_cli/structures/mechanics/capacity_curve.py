@@ -64,10 +64,9 @@ def require_geometry(structures: Sequence[RockingParameters]) -> None:
     """Raise UsageError with the names of all structures that have no curve, since their
     geometry is not known.
     """
-    from .linkage import Linkage
 
     def known(structure: RockingParameters) -> bool:
-        return isinstance(structure.mechanism, Linkage) or all(
+        return structure.mechanism is not None or all(
             edge.arm is not None for edge in structure.edges
         )
 

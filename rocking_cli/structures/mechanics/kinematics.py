@@ -7,18 +7,18 @@ dx/dphi,
     M(phi) = int rho u.u dV,   V'(phi) = g int rho u_z dV,   B(phi) = int rho u_x dV
     M phi'' + M'/2 phi'^2 + V' = -B xg''                                    (Eq. 3.4)
 
-A new mechanism is a class with the methods of `Mechanism`. A single rigid body has
-closed forms (`single_body`).
+A `Linkage` moves so. A single rigid body has closed forms (`single_body`).
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from typing import Any, NamedTuple, Protocol
+from typing import TYPE_CHECKING, Any, NamedTuple
 
-from ...arrays import Array
 from ...errors import StructureError
+
+if TYPE_CHECKING:
+    from .linkage import Linkage
 
 _FIRST_SCAN = 0.1  # rad, where an equilibrium is looked for first
 
@@ -31,37 +31,6 @@ class Coefficients(NamedTuple):
     push: Any  # B > 0 [kg m]
 
 
-class Mechanism(Protocol):
-    """A mechanism for Eq. 3.4. It is immutable and hashable, so that derived values can
-    be cached. It may raise StructureError.
-    """
-
-    def __hash__(self) -> int: ...
-
-    def reach_to(self, phi: float) -> float:
-        """Return phi [rad], or the largest rotation before it at which the links still
-        fit together.
-        """
-        ...
-
-    def coefficients(self, phi: Any) -> Coefficients:
-        """Return M, V'/g and B at rotations phi [rad], of any shape."""
-        ...
-
-    def beyond_lock(self) -> tuple[Mechanism, float, Callable[[Array], Array]]:
-        """Return (the mechanism by a coordinate that goes on where phi is largest, the
-        largest value of this coordinate [rad], phi [rad] as a function of it); itself
-        if its links do not lock before 90 deg.
-        """
-        ...
-
-    # True if it carries weights without mass, which vertical motion does not change
-    @property
-    def springs(self) -> bool: ...
-
-    def lift_slope(self, phi: float) -> float: ...  # V''/g at phi [kg m]
-
-
 class Linearised(NamedTuple):
     """A mechanism linearised at its unstable equilibrium (Eqs. 3.5-3.9)."""
 
@@ -72,7 +41,7 @@ class Linearised(NamedTuple):
     a_scale_3_7: float  # by Eq. 3.7 [-]
 
 
-def linearise(mechanism: Mechanism) -> Linearised:
+def linearise(mechanism: Linkage) -> Linearised:
     """Return the parameters of a mechanism. Raises StructureError if it does not stand
     or has no unstable equilibrium.
     """
@@ -99,7 +68,7 @@ def linearise(mechanism: Mechanism) -> Linearised:
     )
 
 
-def equilibrium(mechanism: Mechanism) -> float:
+def equilibrium(mechanism: Linkage) -> float:
     """Return alpha, the first rotation with V' = 0 [rad]. Raises StructureError if
     there is none within the reach of the mechanism.
     """

@@ -20,8 +20,8 @@ if TYPE_CHECKING:
 def linkages_of(built: RockingParameters) -> tuple[Linkage, Linkage | None]:
     """Return the mechanisms to the right and to the left, None for its mirror image."""
     left, right = (side.mechanism for side in built.left_and_right)
-    assert isinstance(right, Linkage)
-    assert isinstance(left, Linkage)
+    assert left is not None
+    assert right is not None
     return right, left if built.sides else None
 
 
