@@ -28,7 +28,7 @@ from ..publishing import check_target, published
 from .exposure import share_overturned
 from .fits import Curve
 from .fitted_curve import Fit
-from .hazard_files import openquake_unit
+from .hazard_files import OF_OPENQUAKE, openquake_unit
 from .study import Study
 
 FORMS = {"openquake": ".xml", "pelicun": ".csv"}  # and the suffix of each
@@ -37,8 +37,6 @@ _DEMANDS = {
     "PGA": ("Peak Ground Acceleration", "g"),
     "PGV": ("Peak Ground Velocity", "cmps"),
 }
-# measures that OpenQuake knows besides SA and AvgSA; it calls Arias IA
-_OF_OPENQUAKE = ("PGA", "PGV", "PGD", "Arias", "CAV")
 # limit states that are no rotation, in words
 _LIMITS = {"overturning": "overturning", "counted": "limit state of the counts"}
 # columns of the CSV of pelicun for each limit state
@@ -197,8 +195,8 @@ def check_export(target: Path, form: str, measure: Measure, overwrite: bool) -> 
         expected = "PGA, PGV or SA(T)"
     else:
         spectral = bool(measure.periods) and "," not in measure.name
-        known = measure.name in _OF_OPENQUAKE or spectral
-        expected = f"{', '.join(_OF_OPENQUAKE)}, SA(T) or AvgSA(T)"
+        known = measure.name in OF_OPENQUAKE or spectral
+        expected = f"{', '.join(OF_OPENQUAKE)}, SA(T) or AvgSA(T)"
     if not known:
         raise UsageError(
             f"`im`: found {measure.name}; expected a measure that {form} knows:"
@@ -277,7 +275,7 @@ def _fill(function: ET.Element, states: dict[str, State], measure: Measure) -> N
     """Write the limit states of one structure, by their names in the file, into its
     function.
     """
-    scale = openquake_unit(measure)[1]
+    scale = openquake_unit(measure)
     name = "IA" if measure.name == "Arias" else measure.name
     # SA(1) is written as SA(1.0)
     imt = re.sub(r"\((.*)\)", lambda found: f"({float(found[1])})", name)
@@ -351,7 +349,7 @@ def _pelicun_table(
     """Return the text of the CSV: a row for each structure."""
     period = "" if measure.name in _DEMANDS else f"|{measure.periods[0]:.2f}"
     demand, unit = _DEMANDS.get(measure.name, (f"Spectral Acceleration{period}", "g"))
-    scale = openquake_unit(measure)[1]
+    scale = openquake_unit(measure)
     heading = [
         "ID",
         "Incomplete",

@@ -15,11 +15,14 @@ from ..errors import ArgumentError, DocumentError, UsageError, counted
 from ..motions.intensity_measures import Measure, measure_of
 from .hazard import HazardCurve
 
-_OPENQUAKE = {
-    "PGV": ("cm/s", 0.01),
-    "PGD": ("cm", 0.01),
-    "Arias": ("m/s", 1.0),
-    "CAV": ("g s", DEFAULT_GRAVITY),
+# the units [SI] in which OpenQuake gives its measures, besides SA and AvgSA; it calls
+# Arias IA
+OF_OPENQUAKE = {
+    "PGA": DEFAULT_GRAVITY,
+    "PGV": 0.01,
+    "PGD": 0.01,
+    "Arias": 1.0,
+    "CAV": DEFAULT_GRAVITY,
 }
 _LEVEL = "poe-"  # what the columns of OpenQuake begin with
 # the name of the measure; versions of OpenQuake quote it in different ways
@@ -32,15 +35,13 @@ class HazardPoint(NamedTuple):
     """A row of a file."""
 
     place: str  # file, line and column, for messages
-    text: str  # the level as the file has it
     level: float  # [SI]
-    rate_text: str  # the rate as the file has it
     rate: float  # [1/year]
 
 
-def openquake_unit(measure: Measure) -> tuple[str, float]:
-    """Return the unit in which OpenQuake gives a measure, and its factor to SI."""
-    return _OPENQUAKE.get(measure.name, ("g", DEFAULT_GRAVITY))
+def openquake_unit(measure: Measure) -> float:
+    """Return the unit in which OpenQuake gives a measure [SI]."""
+    return OF_OPENQUAKE.get(measure.name, DEFAULT_GRAVITY)
 
 
 def read_hazard(
@@ -113,17 +114,16 @@ def _require_a_hazard(points: Sequence[HazardPoint]) -> None:
     rise.
     """
     below = math.nextafter(0.0, -1.0)
-    for before, now in pairwise([HazardPoint("", "", below, "", math.inf), *points]):
+    for before, now in pairwise([HazardPoint("", below, math.inf), *points]):
         if not now.level > before.level:
-            found = f"{now.text}{f' after {before.text}' if before.text else ''}"
             raise DocumentError(
-                f"{now.place}: found the level {found}; expected rising levels from 0"
+                f"{now.place}: found a level that does not rise; expected rising levels"
+                " from 0"
             )
         if now.rate > before.rate:
-            found = f"{now.rate_text} above {before.rate_text} of the level before"
             raise DocumentError(
-                f"{now.place}: found {found}; expected a hazard curve that does not"
-                " rise"
+                f"{now.place}: found a rate above that of the level before; expected a"
+                " hazard curve that does not rise"
             )
 
 
@@ -133,16 +133,14 @@ def _openquake(table: Table, measure: Measure, site: str | None) -> list[HazardP
     """
     years = _years(table, measure)
     line, row = _row_of(table, site)
-    unit, factor = openquake_unit(measure)
+    factor = openquake_unit(measure)
     found = []
     for i, (name, cell) in enumerate(zip(table.headings, row, strict=True), 1):
         if name.startswith(_LEVEL):
-            text = name.removeprefix(_LEVEL)
             heading = f"{table.source}, line {table.line}, column {i}"
-            level = _number(heading, text) * factor
+            level = _number(heading, name.removeprefix(_LEVEL)) * factor
             place = f"{table.source}, line {line}, column {i}"
-            rate = _rate(place, cell, years)
-            found.append(HazardPoint(place, f"{text} {unit}", level, cell, rate))
+            found.append(HazardPoint(place, level, _rate(place, cell, years)))
     return found
 
 
@@ -243,15 +241,8 @@ def _two_columns(table: Table, measure: Measure) -> list[HazardPoint]:
             raise DocumentError(
                 f"{place}: found the level {cell} without a unit; expected {_TABLE}"
             )
-        found.append(
-            HazardPoint(
-                place,
-                text,
-                _number(place, text, measure.dimension),
-                rate,
-                _rate(place, rate, time),
-            )
-        )
+        level = _number(place, text, measure.dimension)
+        found.append(HazardPoint(place, level, _rate(place, rate, time)))
     return found
 
 
