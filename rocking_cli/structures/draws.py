@@ -70,11 +70,10 @@ def uncertain_keys(document: Document) -> list[Uncertain]:
     build_structure(document)
     order = list(document.keys)
 
-    def place(key: Uncertain) -> tuple[int, str]:
-        head = key.path.partition(".")[0]
-        return order.index(head), key.path
-
-    return sorted(document.uncertain.values(), key=place)
+    return sorted(
+        document.uncertain.values(),
+        key=lambda key: (order.index(key.path.partition(".")[0]), key.path),
+    )
 
 
 def draws(

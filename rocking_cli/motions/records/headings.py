@@ -117,10 +117,6 @@ def headings_of(words: Iterable[str]) -> list[Heading]:
     return found
 
 
-def _is_unit(word: str) -> bool:
-    return unit_of(word) is not None or time_unit(word) is not None
-
-
 def other_quantity(words: str) -> str | None:
     """Return the quantity, other than time and acceleration, that words name."""
     tokens = [x for x in _SPLIT.split(plain(words)) if len(x) > 1]
@@ -132,7 +128,8 @@ def _parted(text: str, first: bool) -> tuple[str, str]:
     whole = _INNER.sub(lambda x: f"/{x[1]}" if x[1] else f"^{x[2]}", text)
     held = [re.sub(r"(?i)^in\s+", "", x.strip()) for x in _BRACKETS.findall(whole)]
     # a letter in brackets is a unit: (N) and (V) are newton and volt
-    names = [x for x in held if len(x) > 1 and not _is_unit(x) and is_component(x)]
+    names = [x for x in held if len(x) > 1 and is_component(x)]
+    names = [x for x in names if unit_of(x) is None and time_unit(x) is None]
     units = [x for x in held if x and x not in names]
     name = " ".join([_BRACKETS.sub(" ", whole).strip(" /,:="), *names])
     if units:

@@ -40,6 +40,7 @@ KEYS = Keys(
         "density": DENSITY,
     },
 )
+_rule = cache(np.polynomial.legendre.leggauss)  # nodes and weights on (-1, 1)
 _NODES = 64  # Gauss points for each interval; 32 already give 1e-13
 
 
@@ -134,17 +135,11 @@ def _gauss_points(start: float, stop: float) -> tuple[np.ndarray, np.ndarray]:
     """Return the points z in an interval, and their weights, of the rule in theta that
     `Cone.above` describes.
     """
-    nodes, weights = _rule()
+    nodes, weights = _rule(_NODES)
     theta = 0.5 * math.pi * (nodes + 1.0)
     half = 0.5 * (stop - start)
     z = 0.5 * (start + stop) - half * np.cos(theta)
     return z, 0.5 * math.pi * weights * half * np.sin(theta)
-
-
-@cache
-def _rule() -> tuple[np.ndarray, np.ndarray]:
-    """Return nodes and weights of Gauss and Legendre, on (-1, 1)."""
-    return np.polynomial.legendre.leggauss(_NODES)
 
 
 class Spire(NamedTuple):

@@ -140,7 +140,9 @@ class JointForces:
         """The matrix of the unknowns in the equations of the links, (n, 3 links,
         unknowns).
         """
-        linkage, centres = self.linkage, self._centres(at)
+        linkage = self.linkage
+        points = linkage.motion(at, linkage.weighed.chains).place
+        centres = points[:, : len(linkage.masses)]
         joints = [(hinge.bodies[0], hinge.at) for hinge in linkage.hinges]
         joints += [(slider.body, slider.at) for slider in linkage.sliders]
         places = linkage.motion(at, linkage.chains(joints)).place
@@ -169,11 +171,6 @@ class JointForces:
                 column[:, link - 1, 1] += sign * force.imag
                 column[:, link - 1, 2] += sign * (np.conj(arm) * force).imag
         return column.reshape(len(column), -1)
-
-    def _centres(self, at: Positions) -> Array:
-        """Mass centres of the links, (n, links)."""
-        points = self.linkage.motion(at, self.linkage.weighed.chains)
-        return points.place[:, : len(self.linkage.masses)]
 
     @cached_property
     def unique(self) -> bool:
@@ -232,17 +229,12 @@ class JointForces:
             load = linkage.assembly.loads[index]
             if load.inertia == VERTICAL:
                 press[:, k] += gained[:, first + k].imag / g
-            force = load.mass * g * press[:, k]
-            self._bear(wanted, points.place, first + k, load.body, force)
+            # its downward force
+            force, link = load.mass * g * press[:, k], linkage.link_of[load.body] - 1
+            arm = (points.place[:, first + k] - points.place[:, link]).real
+            wanted[:, link, 1] += force
+            wanted[:, link, 2] += arm * force
         return self._solved(at, wanted.reshape(n, -1))._replace(loads=press)
-
-    def _bear(
-        self, wanted: Array, places: Array, k: int, body: str, force: Array
-    ) -> None:
-        """Add the downward force of load k to what the joints of its link must give."""
-        link = self.linkage.link_of[body] - 1
-        wanted[:, link, 1] += force
-        wanted[:, link, 2] += (places[:, k] - places[:, link]).real * force
 
     def at_onset(self) -> JointForce:
         """Return the forces at the moment of uplift, one instant."""

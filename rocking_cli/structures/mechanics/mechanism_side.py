@@ -190,18 +190,13 @@ def _linearised(linkage: Linkage) -> Linearised:
     except StructureError:  # no equilibrium, or at the very place where the links lock
         locked = True
     if locked:
-        raise _without_equilibrium(linkage)
+        end = linkage.reach_to(0.5 * math.pi)
+        found = "the weight brings it back at every rotation up to 90 deg (it hangs)."
+        if end < 0.5 * math.pi:
+            found = (
+                f"it locks at {math.degrees(end):.3g} deg, before its weight stops"
+                " bringing it back."
+            )
+        raise MechanismFault(path, f"no unstable equilibrium: {found}")
     check_path(linkage, form.alpha)
     return form
-
-
-def _without_equilibrium(linkage: Linkage) -> MechanismFault:
-    """The fault of a mechanism that its weight resists to the end."""
-    end = linkage.reach_to(0.5 * math.pi)
-    found = "the weight brings it back at every rotation up to 90 deg (it hangs)."
-    if end < 0.5 * math.pi:
-        found = (
-            f"it locks at {math.degrees(end):.3g} deg, before its weight stops bringing"
-            " it back."
-        )
-    return MechanismFault(linkage.path, f"no unstable equilibrium: {found}")
