@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
 
 Point = tuple[float, float]
@@ -41,6 +41,18 @@ class Sketch:
     # the lengths that the document states; none for those at the foot and of the height
     dimensions: tuple[Dimension, ...] = ()
     remark: str = ""  # what it states besides, such as a radius and an angle
+
+    def in_unit(self, metre: float) -> "Sketch":
+        """Return the same with its points in a unit of length [m]."""
+
+        def of(value: Any) -> Any:
+            if isinstance(value, float | int) and not isinstance(value, bool):
+                return value / metre
+            if isinstance(value, Dimension):
+                return Dimension(*map(of, value))
+            return tuple(map(of, value)) if isinstance(value, tuple) else value
+
+        return replace(self, **{key: of(x) for key, x in vars(self).items()})
 
 
 def rocker(
