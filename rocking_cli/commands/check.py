@@ -146,6 +146,7 @@ def check(
     (JSON, CSV) or in the unit of the request (table), unless --units says otherwise.
     """
     from ..dynamics.outcome import Outcome
+    from ..reports.units import parse_units
     from .check_demands import at_worst, opposite_outcomes, stated_demands
     from .check_rows import known_columns
     from .check_table import is_table, write_table
@@ -163,8 +164,9 @@ def check(
         by_code.stand_on(asked.carrier, stated.structures)
     known = known_columns(stated, wanted, by_code is not None, drawn.draws is not None)
     require_columns(known, wanted.sort)
+    figure = options.FigureFile(wanted.output, sweep.overwrite)
     if wanted.output is not None:
-        options.check_target(wanted.output, sweep.overwrite)
+        figure.check()
     if by_code and of_code.spectrum and not stated.shakes:
         refuse(
             "needs a motion: under --spectrum alone nothing is shaken",
@@ -172,7 +174,7 @@ def check(
             "sort",
             "inset_effect",
         )
-        by_code.alone(stated.structures, stated.varied, wanted.output, sweep.overwrite)
+        by_code.alone(stated.structures, stated.varied, figure)
         return 0
 
     demanded = stated.needed(by_code is not None)
@@ -186,10 +188,12 @@ def check(
     judged = _judge_and_print(
         demands, wanted, sweep.workers, by_code, of_draws, rows, known
     )
-    if wanted.output is not None and wanted.vary and by_code is None:
-        options.draw_figure(rows, wanted.output, sweep.overwrite)
+    if by_code:
+        figure.draw([check for check, _, _ in by_code.checks.values()])
+    elif wanted.vary:
+        figure.draw(rows)
     else:
-        _draw(judged, wanted.output, sweep.overwrite, by_code, _in_g(asked))
+        figure.draw(judged, units=parse_units("g" if _in_g(asked) else "m/s2"))
 
     opposite = opposite_outcomes(demands)
     demand.note_demand(demands.shakes)
@@ -326,26 +330,6 @@ def _forces_wanted(rows: int) -> bool:
         " --columns friction_needed,fz_min asks for them"
     )
     return False
-
-
-def _draw(
-    judged: list[Verdict],
-    output: Path | None,
-    overwrite: bool,
-    by_code: CodeRows | None,
-    in_g: bool,
-) -> None:
-    """Draw the capacities, or the capacity curves of the code, if the call has an
-    output.
-    """
-    if output is None:
-        return
-    if by_code:
-        by_code.draw(output, overwrite)
-        return
-    from ..reports.figures.capacities import draw_capacities
-
-    draw_capacities(judged, output, in_g=in_g, overwrite=overwrite, tell=note)
 
 
 def _lines(

@@ -3,14 +3,13 @@
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 from ..dynamics.method import governing_method
 from ..errors import UsageError
 from ..motions.buildings import Building
 from ..motions.design_spectra import read_spectrum
-from ..reports.figures.capacities import code_demand_in_words, draw_capacity_curves
+from ..reports.figures.capacities import code_demand_in_words
 from ..reports.wording import verified_in_words
 from ..responses.check import Demand
 from ..responses.code_check import (
@@ -26,6 +25,7 @@ from ..structures import RockingParameters
 from ..structures.building_modes import FloorMode, parse_mode
 from ..structures.mechanics.capacity_curve import require_geometry
 from .command import partly
+from .options import FigureFile
 from .printing import detail, emit, note
 
 _FILES = re.compile(r"(slv|slc)=([^,]+)(?:,(slv|slc)=([^,]+))?")
@@ -97,8 +97,7 @@ class CodeRows:
         self,
         structures: Sequence[RockingParameters],
         varied: Mapping[str, Mapping[str, Any]],
-        output: Path | None,
-        overwrite: bool,
+        figure: FigureFile,
     ) -> None:
         """Print a row for each structure under the spectrum of a file; the call has no
         motion.
@@ -113,8 +112,7 @@ class CodeRows:
             above=("motion", "demand_a"),
             varied=varied,
         )
-        if output is not None:
-            draw_capacity_curves(found, output, overwrite=overwrite, tell=note)
+        figure.draw(found)
         detail(*self.details)
         note(*self.lines)
 
@@ -212,15 +210,6 @@ class CodeRows:
                 f" {states} met"
             )
         return [*self.lines, *found]
-
-    def draw(self, output: Path, overwrite: bool) -> None:
-        """Draw the capacity curve of every check."""
-        draw_capacity_curves(
-            [check for check, _, _ in self.checks.values()],
-            output,
-            overwrite=overwrite,
-            tell=note,
-        )
 
     def _remark(self, checks: Sequence[CodeCheck]) -> None:
         demands = list(dict.fromkeys(check.demand for check in checks))

@@ -58,7 +58,7 @@ def compare(
     else:
         emit(comparison.comparison_rows(responses, methods))
     if figure.output is not None:
-        figure.draw(comparison.curve_rows(responses, methods))
+        figure.draw(list(comparison.curve_rows(responses, methods)))
     detail(*model.in_words(methods, structures, shaken.grid.dimensionless))
     note(
         *direction_in_words(*structures),

@@ -282,7 +282,7 @@ def _fit_and_print(
     """
     from ..fragility.study import fitted
     from ..reports.remarks import direction_in_words
-    from .fragility_rows import draw_fits, emit_fits
+    from .fragility_rows import curves_of, emit_fits
 
     fits, refused = fitted(found, request.states, request.methods)
     if not fits and not (request.exact and (wanted.curve or request.hazard)):
@@ -306,7 +306,7 @@ def _fit_and_print(
     traced = found if request.exact else []
     emit_fits(fits, traced, wanted)
     if wanted.figure is not None:
-        draw_fits(fits, traced, wanted.figure, overwrite)
+        options.FigureFile(wanted.figure, overwrite).draw(curves_of(fits, traced))
     if request.hazard is not None:
         remarks += _remarks_on_rates(fits, traced, request.hazard)
     return refused, remarks

@@ -9,8 +9,8 @@ import os
 import re
 import shlex
 import sys
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
-from contextlib import suppress
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
+from contextlib import AbstractContextManager, suppress
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -34,7 +34,8 @@ from .streams import printable
 if TYPE_CHECKING:
     from ..motions.grid import Grid
     from ..motions.recording import Recording
-    from ..reports.figures.canvas import Look
+    from ..reports.figures.canvas import Figure, Look
+    from ..reports.units import Units
     from ..structures import RockingParameters
     from ..structures.family import Member
 
@@ -151,24 +152,30 @@ class FigureFile:
         else:
             check_target(self.output, self.overwrite)
 
-    def draw(self, rows: Iterable[Mapping[str, Any]], over: str | None = None) -> None:
-        """Draw rows in SI, if the call has an output; over: the abscissa of a family.
-        Raises UsageError.
+    def draw(
+        self, source: Any, over: str | None = None, units: Units | None = None
+    ) -> None:
+        """Draw what `draw` takes, such as rows in SI, if the call has an output; over:
+        the abscissa of a family; units: None for those of --units. Raises UsageError.
         """
         if self.output is not None:
-            draw_figure(rows, self.output, self.overwrite, over)
+            from ..reports.drawing_files import draw
 
+            draw(
+                source,
+                self.output,
+                over=over,
+                units=units or units_of(),
+                overwrite=self.overwrite,
+                tell=note,
+            )
 
-def draw_figure(
-    rows: Iterable[Mapping[str, Any]],
-    output: Path,
-    overwrite: bool,
-    over: str | None = None,
-) -> None:
-    """Draw rows in SI as `rocking plot` draws their CSV. Raises UsageError."""
-    from ..reports.drawing_files import draw_rows
+    def canvas(self) -> AbstractContextManager[Figure]:
+        """Return the context of the figure, for what no other command draws."""
+        from ..reports.figures.canvas import canvas
 
-    draw_rows(rows, output, over=over, units=units_of(), overwrite=overwrite, tell=note)
+        assert self.output is not None
+        return canvas(self.output, self.overwrite, tell=note)
 
 
 def kept(rows: Iterable[AnyRow], into: list[Any]) -> Iterator[AnyRow]:

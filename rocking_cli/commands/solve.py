@@ -114,20 +114,15 @@ def solve(
 
     emit(rows(), COLUMNS)
     if figure.output is not None:
-        from ..reports.figures.boundaries import draw_scans
+        from ..reports.figures.boundaries import capacities_over
         from ..reports.wording import demand_plainly
 
         up_to = ends[1].shakes if ends else []
         title = demand_plainly([*shakes, *up_to], asked.vertical)
-        draw_scans(
-            scans,
-            [x for one in edges for x in one.shown.values() if x is not None],
-            (next(iter(edges[0].shown)) if edges else varied.key, title),
-            wanted.margin,
-            figure.output,
-            figure.overwrite,
-            tell=note,
-        )
+        at = [x for one in edges for x in one.shown.values() if x is not None]
+        key = next(iter(edges[0].shown)) if edges else varied.key
+        with figure.canvas() as drawn:
+            capacities_over(drawn, scans, at, (key, title), wanted.margin)
     demand.note_demand([*shakes, *(ends[1].shakes if ends else [])])
     note(*remarks)
     detail(

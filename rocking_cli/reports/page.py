@@ -31,6 +31,7 @@ from ..structures import (
     with_distinct_names,
 )
 from ..structures.given import documents_from
+from .figures.canvas import FIGURE_UNITS
 from .figures.capacities import capacities, code_demand_in_words
 from .page_parts import (
     WRITTEN_WITH,
@@ -109,7 +110,7 @@ def page(
         overview=_overview(cases, labels) if summary and verdicts else [],
         verdicts=details(verdicts, labels) if verdicts else [],
         capacities=(
-            image(lambda figure: capacities(figure, verdicts, True))
+            image(lambda figure: capacities(figure, verdicts, FIGURE_UNITS))
             if verdicts
             else None
         ),

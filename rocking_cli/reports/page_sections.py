@@ -357,11 +357,7 @@ def _fragility(
             fits.append(study.fit("stripes", limit))
         except UsageError as error:
             remarks.append(f"limit state {word_of(limit)}: {error}")
-    rows = [
-        {key: "" if x is None else str(x) for key, x in row.items()}
-        for fit in fits
-        for row in fit.points_of_curve()
-    ]
+    rows = [row for fit in fits for row in fit.points_of_curve()]
     drawn = None
     if fits:
         drawn = image(lambda figure: fragility_curves(figure, rows, FIGURE_UNITS))

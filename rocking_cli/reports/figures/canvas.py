@@ -346,7 +346,7 @@ def heading(rows: Rows, units: Units, *keys: str) -> str:
 
 def _same(rows: Rows, key: str) -> str:
     """Return the text of a column that is the same in all rows, else an empty one."""
-    return rows[0].get(key, "") if len(groups(rows, key)) == 1 else ""
+    return (rows[0].get(key) or "") if len(groups(rows, key)) == 1 else ""
 
 
 def _demand(rows: Rows, units: Units) -> str:
@@ -355,7 +355,7 @@ def _demand(rows: Rows, units: Units) -> str:
     """
     found = []
     for keys in (("a_g", "demand_a", "demand_A"), ("omega_g", "Omega")):
-        key = next((key for key in keys if rows[0].get(key)), None)
+        key = next((key for key in keys if rows[0].get(key) is not None), None)
         values = column(rows, key) if key else np.zeros(0)
         # the last digits of one demand differ between structures
         if key and np.ptp(values) <= 1e-9 * np.max(values):

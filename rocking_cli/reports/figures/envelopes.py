@@ -49,7 +49,7 @@ def bands(figure: Figure, rows: Rows, units: Units) -> list[Axes]:
     over = next(
         key
         for key in ("omega_g", "Omega", "T", "record")
-        if all(row.get(key) for row in rows)
+        if all(row.get(key) is not None for row in rows)
     )
     amplitude = "a" if over in ("omega_g", "record") else "A"
     found = groups(rows, *(key for key in _APART if key != over))

@@ -75,9 +75,10 @@ def _explain(axes: Axes, lines: Sequence[Rows]) -> None:
     """Add what dashes and bands mean to the legend, if there are any, and which states
     lie below others.
     """
-    if not any(row["probability"] for some in lines for row in some):
+    whole = [row for some in lines for row in some]
+    if np.all(np.isnan(column(whole, "probability"))):
         return
-    if any(row["low"] for some in lines for row in some):
+    if not np.all(np.isnan(column(whole, "low"))):
         band: dict[str, Any] = {"fc": "0.93", "ec": "0.3", "lw": 0.7, "ls": ":"}
         axes.fill_between([], [], label="95 % band of the fit", **band)
     axes.plot([], [], color="0.3", ls="--", label="beyond the last level")
@@ -148,7 +149,7 @@ def _with_hazard(axes: Axes, lines: Sequence[Rows], factor: float) -> None:
         ylim=(max(h[-1], h[0] * 1e-5), 2.0 * h[0]),
     )
     right.grid(False)
-    fitted = [i for i, some in enumerate(lines) if some[0]["probability"]]
+    fitted = [i for i, some in enumerate(lines) if some[0]["probability"] is not None]
     parts = {i: column(lines[i], "deaggregation") for i in fitted or range(len(lines))}
     most = max(float(np.nanmax(part, initial=0.0)) for part in parts.values()) or 1.0
     for i, part in parts.items():
