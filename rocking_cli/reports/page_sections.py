@@ -10,7 +10,6 @@ from typing import Any
 
 import numpy as np
 
-from ..documents.document import Document
 from ..documents.quantities import DEFAULT_GRAVITY
 from ..dynamics.method import LINEAR, governing_method
 from ..dynamics.outcome import Difference, difference
@@ -44,6 +43,7 @@ from .figures.fragility_curves import fragility_curves
 from .figures.maps import outcome_map
 from .figures.memory import memory_file
 from .figures.shares import shares
+from .page_parts import Asked
 from .wording import draws_in_words, parameter_rows
 
 SIDE = 60  # values on each axis of a map, whose cells are printed 1 mm wide
@@ -52,14 +52,6 @@ CURVE, CLOSER = 22, 6
 _MAP_DPI = 200.0  # of the cells of a map, four dots a cell and more
 _SIZE = (4.2, 3.1)  # inches, of a drawing and a map: half of the width of a page
 FEW_DRAWS = 128  # draws of that curve under a record, at most
-
-
-@dataclass(frozen=True)
-class Subject:
-    """A structure and its document."""
-
-    document: Document  # from which the structure was built
-    structure: RockingParameters  # parameters of the structure
 
 
 @dataclass(frozen=True)
@@ -86,7 +78,7 @@ class CodeVerdict:
 
 
 def checked(
-    subjects: Sequence[Subject],
+    structures: Sequence[RockingParameters],
     verdicts: Sequence[Verdict],
     demands: Sequence[Demand],
     code: Mapping[str, Any],
@@ -96,13 +88,13 @@ def checked(
     """
     if not demands:
         return [
-            CodeVerdict(check.demand, check, [], bool(one.structure.building))
-            for one in subjects
-            for check in [code_check(one.structure, **code)]
+            CodeVerdict(check.demand, check, [], bool(one.building))
+            for one in structures
+            for check in [code_check(one, **code)]
         ]
     found = []
     # the demands are those on the floors already
-    modes = {one.structure.name: one.structure.building for one in subjects}
+    modes = {one.name: one.building for one in structures}
     for v, demand in zip(verdicts, demands, strict=True):
         structure, motion, shaking = demand
         carrier = modes.get(structure.name, ())
@@ -119,6 +111,7 @@ def checked(
 class Cases:
     """One structure under each of its motions."""
 
+    structure: RockingParameters
     verdicts: list[Verdict]  # of `check`
     shakes: list[tuple[Motion, Grid]]  # motion and demand of each verdict
     checks: list[CodeVerdict]  # by the code, of each verdict; none without a code
@@ -126,33 +119,24 @@ class Cases:
     @classmethod
     def of(
         cls,
-        name: str,
+        structure: RockingParameters,
         verdicts: Sequence[Verdict],
         demands: Sequence[Demand],
         checks: Sequence[CodeVerdict],
     ) -> "Cases":
-        """Return those of the structure of this name."""
+        """Return those of a structure."""
+        name = structure.name
         return cls(
+            structure,
             [v for v in verdicts if v.structure == name],
             [(motion, grid) for s, motion, grid in demands if s.name == name],
             [one for one in checks if one.check.structure == name],
         )
 
 
-def section(
-    subject: Subject,
-    cases: Cases,
-    recordings: Sequence[Recording],
-    workers: int | None,
-    draws: tuple[int, int] | None = None,
-    fragility: bool = True,
-    ends: Sequence[Grid] = (),
-) -> dict[str, Any]:
-    """Return the template's values for one structure and its verdicts; draws: their
-    number and seed, of a structure whose numbers have spreads; fragility: True for
-    curves under the records; ends: the demands at both ends of a range of frequencies.
-    """
-    structure, mine = subject.structure, cases.verdicts
+def section(asked: Asked, workers: int | None, cases: Cases) -> dict[str, Any]:
+    """Return the template's values for one structure and its verdicts."""
+    structure, mine, recordings = cases.structure, cases.verdicts, asked.recordings
     # A record, and a motion of a floor, have no map over frequencies.
     pulses = [shake for shake in cases.shakes if shake[0].acceleration is None]
     pulse = pulses[0] if pulses and not recordings else None
@@ -164,7 +148,7 @@ def section(
         codes = difference(outcomes[:, 0], outcomes[:, 1])
     else:
         judged = "cells of the map"
-        drawn, codes = _map(structure, *pulse, ends, mine, workers)
+        drawn, codes = _map(structure, *pulse, asked.ends, mine, workers)
     linear = all(v.model == LINEAR.model for v in mine)
     kind = structure.structure
     if structure.eta_source:
@@ -172,7 +156,7 @@ def section(
     return {
         "name": structure.name,
         "kind": kind,
-        "drawing": _drawing(subject),
+        "drawing": _drawing(structure),
         "parameters": parameter_rows(structure),
         "ties": [
             f"{v.motion}: {remark}"
@@ -195,12 +179,12 @@ def section(
         ),
         "fragility": (
             _fragility(structure, recordings, workers)
-            if recordings and fragility
+            if recordings and asked.fragility
             else None
         ),
         "code": _by_code(cases.checks) if cases.checks else None,
-        "draws": _draws(structure, cases, draws),
-        "text": subject.document.text.strip(),
+        "draws": _draws(cases, asked.draws),
+        "text": structure.document.text.strip() if structure.document else "",
     }
 
 
@@ -213,17 +197,19 @@ def image(plan: Callable[[Figure], object]) -> str:
     return f"data:image/svg+xml;base64,{base64.b64encode(drawn).decode()}"
 
 
-def _drawing(subject: Subject) -> str | None:
+def _drawing(structure: RockingParameters) -> str | None:
     """Return a drawing of the structure as a data URL, None without geometry."""
+    if structure.document is None:
+        return None
     try:
-        sketch = sketch_of(subject.document, subject.structure)
+        sketch = sketch_of(structure.document, structure)
     except DocumentError:
         return None
 
     def plan(figure: Figure) -> None:
         figure.set_size_inches(*_SIZE)
         axes = figure.add_subplot()
-        structure_axes(axes, subject.structure, sketch, FIGURE_UNITS, described=False)
+        structure_axes(axes, structure, sketch, FIGURE_UNITS, described=False)
         axes.set_axis_off()  # its lines of dimension state the size
         axes.margins(0.05)
         place(figure, axes, left=0.1, bottom=0.1, top=0.3)
@@ -388,12 +374,11 @@ def _by_code(checks: Sequence[CodeVerdict]) -> dict[str, Any]:
     return {"lines": lines, "figure": image(plan)}
 
 
-def _draws(
-    structure: RockingParameters, cases: Cases, draws: tuple[int, int] | None
-) -> dict[str, Any] | None:
+def _draws(cases: Cases, draws: tuple[int, int] | None) -> dict[str, Any] | None:
     """Return the template's values for the draws of a structure: a line on each motion,
     and the share that falls over the amplitude of the worst one. None without draws.
     """
+    structure = cases.structure
     if draws is None or structure.drawn_from is None:
         return None
     n, seed = draws
