@@ -32,7 +32,7 @@ class Sketch:
     # label, tail and head of arrows, such as a load
     arrows: tuple[tuple[str, tuple[Point, Point]], ...] = ()
     # function of theta [rad] that returns the outlines of the bodies that then move and
-    # of those that stay; None for a body, or for a linkage that is its own mirror image
+    # of those that stay; None for a body on two edges
     pose: Callable[[float], tuple[list[Outline], list[Outline]]] | None = field(
         default=None, repr=False, compare=False
     )
@@ -53,6 +53,13 @@ class Sketch:
             return tuple(map(of, value)) if isinstance(value, tuple) else value
 
         return replace(self, **{key: of(x) for key, x in vars(self).items()})
+
+    def posed(self, theta: float) -> tuple[Sequence[Outline], Sequence[Outline]]:
+        """Return the outlines at theta [rad]: of what then moves, and of what stays."""
+        if self.pose is not None:
+            return self.pose(theta)
+        about = dict(self.pivots)["right" if theta > 0.0 else "left"]
+        return [turned(outline, about, theta) for outline in self.bodies], self.still
 
 
 def rocker(
