@@ -16,7 +16,7 @@ from numbers import Integral, Real
 from pathlib import Path
 from typing import Any
 
-from .errors import ArgumentError, RockingError, counted, did_you_mean
+from .errors import ArgumentError, counted, did_you_mean
 
 _MOST_ITEMS = 10_000  # number of items of a list that are checked
 # The functions that return what another one takes.
@@ -88,52 +88,6 @@ def checked(
 
     wrapper.__module__, wrapper.__qualname__ = package, name
     return wrapper
-
-
-def tell_wrong_arguments(kind: type[Any], public: Mapping[str, Any]) -> None:
-    """Let a public class tell, by ArgumentError, which argument does not fit its
-    annotation, where an object cannot be made; a fault with right arguments stays.
-    """
-    make, of = kind.__init__, signature(kind)
-
-    @wraps(make)
-    def made(self: Any, *args: Any, **kwargs: Any) -> None:
-        try:
-            make(self, *args, **kwargs)
-        except RockingError:
-            raise
-        except (AttributeError, LookupError, OverflowError, TypeError, ValueError):
-            if type(self) is kind:
-                _blame(kind.__name__, make, of, public, args, kwargs)
-            raise
-
-    type.__setattr__(kind, "__init__", made)
-
-
-def _blame(
-    name: str,
-    make: Any,
-    of: Signature,
-    public: Mapping[str, Any],
-    args: Sequence[Any],
-    kwargs: Mapping[str, Any],
-) -> None:
-    """Raise ArgumentError for an argument that does not fit its annotation."""
-    try:
-        bound = of.bind(*args, **kwargs)
-    except TypeError as error:
-        raise ArgumentError(f"{name}: {_in_words(str(error), of)}") from None
-    for argument, value in bound.arguments.items():
-        one = {argument: make.__annotations__.get(argument, Any)}
-        try:
-            hint = typing.get_type_hints(
-                types.SimpleNamespace(__annotations__=one),
-                make.__globals__,
-                _Names(public),
-            )[argument]
-        except KeyError:  # a type that is not public
-            continue
-        _check(name, argument, hint, value)
 
 
 class _Names(dict[str, Any]):
