@@ -68,7 +68,7 @@ def write_table(
     settings = SweepOptions(
         history=f"{options.now()}: {options.command_line()}",
         progress=ProgressLine("check", "chunks"),
-        **sweep.writing(""),
+        **sweep.writing(()),
     )
     row = write_verdicts(scene, output, settings)
     counts = np.array([row[f"cells_{o.flag}"] for o in Outcome])

@@ -43,7 +43,7 @@ def compare(
 
     figure.check()
     shaken = shaking.of(motions.one())
-    structures, _ = options.structures_of(files)
+    structures = options.structures_of(files)
     if shaken.grid is None or shaken.motion is None:
         raise ground.no_shaking("--A and --Omega")
     if eta is not None:

@@ -136,7 +136,7 @@ def _requested(
     from ..motions.intensity_measures import measure_of
     from ..spectra.sweep_options import SweepOptions
 
-    structures, texts = options.structures_of(files, each=True)
+    structures = options.structures_of(files, each=True)
     if wanted.draws is not None:
         require_spreads(structures)
         refuse("does not go with --draws", "exact", "cells", "efficiency")
@@ -163,7 +163,7 @@ def _requested(
         _check_export(wanted, states, methods, measure, shaken, sweep)
     else:
         _check_output(wanted, shaken, sweep)
-    settings = SweepOptions(history=options.command_line(), **sweep.writing(texts))
+    settings = SweepOptions(history=options.command_line(), **sweep.writing(structures))
     exact = wanted.exact or (
         hazard is not None and None in states and wanted.by is None
     )

@@ -92,6 +92,25 @@ inset_effect = partial(
     "--inset-effect",
     "Print what pivots 5 % of the width inside the edges would take of the capacity.",
 )
+over = partial(
+    option,
+    "--over",
+    "The axis of a family (default: the first key varied).",
+    metavar="KEY[/KEY]",
+)
+draws = partial(
+    option,
+    "--draws",
+    "Draw numbers with a spread, such as width: 0.5 m +- 10 mm, so many times.",
+    type=click.IntRange(2, 1 << 20),
+)
+seed = partial(
+    option,
+    "--seed",
+    "Seed of the random numbers.",
+    type=click.IntRange(0),
+    default=0,
+)
 skip_faulty = partial(
     flag,
     "--skip-faulty",
@@ -205,9 +224,9 @@ class Sweep:
         metavar="ADDRESS",
     )
 
-    def writing(self, documents: str) -> dict[str, Any]:
-        """Return the arguments of `write_scene`; documents: the texts of the
-        structures. Raises click.UsageError for a wrong --shard.
+    def writing(self, structures: Iterable[RockingParameters]) -> dict[str, Any]:
+        """Return the arguments of `write_scene`; structures: those whose documents the
+        file holds. Raises click.UsageError for a wrong --shard.
         """
         from ..documents.quantities import parse_whole
 
@@ -220,7 +239,8 @@ class Sweep:
                     " such as 2/8"
                 )
             shard = part, count
-        return {**vars(self), "shard": shard, "documents": documents, "tell": note}
+        texts = "\n---\n".join(s.document.text for s in structures if s.document)
+        return {**vars(self), "shard": shard, "documents": texts, "tell": note}
 
 
 def structures_of(
@@ -228,35 +248,39 @@ def structures_of(
     etas: tuple[float | None, ...] = (),
     each: bool = False,
     with_documents: int | None = None,
-) -> tuple[list[RockingParameters], str]:
-    """Return (structures, texts): those of the documents in these files, and a
-    dimensionless oscillator for each restitution; each: a stack is a structure for each
-    of its interfaces, see `on_each_interface`; with_documents: number of structures
-    that keep their documents, None for all; to save memory the others keep one only if
-    it has a spread, and there are no texts.
+) -> list[RockingParameters]:
+    """Return the structures of the documents in these files, and a dimensionless
+    oscillator for each restitution; each: a stack is a structure for each of its
+    interfaces, see `on_each_interface`; with_documents: number of structures that keep
+    their documents, None for all; to save memory the others keep one only if it has a
+    spread.
     """
-    from ..structures import build_structure, with_distinct_names
+    from ..structures import build_structure
     from ..structures.parameters import dimensionless_oscillator
 
-    texts: list[str] = []
-    kept = itertools.count()
+    numbers = itertools.count()
 
     def structure_of(document: Any) -> RockingParameters:
         built = build_structure(document)
-        if with_documents is None:
-            texts.append(document.text)
-        elif next(kept) >= with_documents and built.drawn_from is None:
-            return replace(built, document=None)
-        return built
+        held = with_documents is None or next(numbers) < with_documents
+        return built if held or built.drawn_from else replace(built, document=None)
 
     documents = iter([]) if etas and not files else each_document(files)
     structures = list(sound(structure_of, _on_each(documents) if each else documents))
     if None in etas:
         raise click.UsageError("--eta block goes with --alpha")
     oscillators = [dimensionless_oscillator(eta=eta) for eta in etas if eta is not None]
-    found = list(introduced(with_distinct_names([*structures, *oscillators])))
-    note_interfaces(found)
-    return found, "\n---\n".join(texts)
+    return _told([*structures, *oscillators])
+
+
+def _told(structures: Iterable[RockingParameters]) -> list[RockingParameters]:
+    """Return structures with distinct names, and print what is to be said of them."""
+    from ..structures import with_distinct_names
+
+    found = list(introduced(with_distinct_names(structures)))
+    if names := [s.name for s in found if "interfaces" in s.details]:
+        note(f"followed on one interface, as if no other opened: {', '.join(names)}")
+    return found
 
 
 def members_of(
@@ -270,9 +294,8 @@ def members_of(
     each: see `structures_of`. Members without a solution are reported and left out.
     """
     if not vary:
-        return structures_of(files, etas, each, with_documents=0)[0], {}
+        return structures_of(files, etas, each, with_documents=0), {}
     from ..documents.quantities import headed
-    from ..structures import with_distinct_names
     from ..structures.family import family, members, parse_variation
     from ..structures.parameters import VARIED
 
@@ -285,11 +308,10 @@ def members_of(
         for document in documents
         for member in family(document, variations, each)
     ]
-    found = list(
-        with_distinct_names(
-            member.parameters for member in every if member.parameters is not None
-        )
-    )
+    for member in every:
+        if member.parameters is None:
+            note_no_solution(member)
+    found = _told(one.parameters for one in every if one.parameters is not None)
     columns = {}
     for structure in found:
         values, units = (structure.details[key] for key in VARIED)
@@ -297,11 +319,6 @@ def members_of(
             headed(f"varied_{k}", "" if form() == "json" else units[k]): value
             for k, value in values.items()
         }
-    for member in every:
-        if member.parameters is None:
-            note_no_solution(member)
-    found = list(introduced(found))
-    note_interfaces(found)
     return found, columns
 
 
@@ -437,14 +454,6 @@ def note_spreads(keys: Collection[str]) -> None:
         return
     more = "; --draws draws them" if "draws" in parameters else ""
     note(f"means are taken of numbers with a spread: {', '.join(keys)}{more}")
-
-
-def note_interfaces(structures: Iterable[RockingParameters]) -> None:
-    """Print a line on the stacks: each is followed on one interface, although another
-    one may overturn first.
-    """
-    if names := [s.name for s in structures if "interfaces" in s.details]:
-        note(f"followed on one interface, as if no other opened: {', '.join(names)}")
 
 
 def remark_on(grid: Grid | None = None, spans: str = "") -> None:

@@ -100,7 +100,7 @@ def report(
     files, motions = asked.several(files)
 
     def members() -> Members:
-        return options.structures_of(files, each=True, with_documents=MOST)[0], {}
+        return options.structures_of(files, each=True, with_documents=MOST), {}
 
     stated = demands_on(members, asked, motions, sign)
     if many := len(stated.structures) > MOST:

@@ -98,7 +98,7 @@ def response(
 
     figure.check()
     shaken = _shaken(asked)
-    structures, _ = options.structures_of((file,))
+    structures = options.structures_of((file,))
     if len(structures) != 1:
         raise UsageError(
             f"{file} holds {len(structures)} structures; expected one (rocking compare"
