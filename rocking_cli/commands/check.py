@@ -62,7 +62,9 @@ class CodeOptions:
         "--fc", "Confidence factor of --code (default 1).", type=NUMBER
     )
 
-    def rows(self, verdict_only: bool, sort: str | None = None) -> CodeRows | None:
+    def rows(
+        self, stated: Demands, verdict_only: bool = False, sort: str | None = None
+    ) -> CodeRows | None:
         """Return the checks by the code, None without --code. Raises UsageError."""
         unknown = "needs the capacities, which --verdict-only does not search"
         if verdict_only:
@@ -70,7 +72,8 @@ class CodeOptions:
         if self.code is not None:
             from .code_rows import CodeRows
 
-            return CodeRows(self.spectrum, self.floor, self.fc)
+            own = self.spectrum, self.floor, self.fc
+            return CodeRows(*own, stated.asked.carrier, stated.structures)
         refuse("goes with --code", "spectrum", "floor", "fc")
         if verdict_only:
             refuse(unknown, "output", *["sort"] * (sort == "capacity"))
@@ -155,30 +158,21 @@ def check(
     stated = stated_demands(files, asked, wanted.vary, wanted.sign)
     if to_table:
         forces = len(stated.structures) < LONG_TABLE
-        return write_table(stated.needed(False), wanted, sweep, forces)
-    if drawn.draws is not None:
-        require_spreads(stated.structures)
+        stated.are_shaken()
+        return write_table(stated, wanted, sweep, forces)
+    require_spreads(drawn.draws, stated.structures)
     most_slide = _slide_limit(wanted.fail_on, stated, drawn)
-    by_code = of_code.rows(wanted.verdict_only, wanted.sort)
-    if by_code is not None:
-        by_code.stand_on(asked.carrier, stated.structures)
+    by_code = of_code.rows(stated, wanted.verdict_only, wanted.sort)
     known = known_columns(stated, wanted, by_code is not None, drawn.draws is not None)
     require_columns(known, wanted.sort)
     figure = options.FigureFile(wanted.output, sweep.overwrite)
     if wanted.output is not None:
         figure.check()
-    if by_code and of_code.spectrum and not stated.shakes:
-        refuse(
-            "needs a motion: under --spectrum alone nothing is shaken",
-            "fail_on",
-            "sort",
-            "inset_effect",
-        )
+    if not stated.are_shaken(by_code) and by_code:
         by_code.alone(stated.structures, stated.varied, figure)
         return 0
 
-    demanded = stated.needed(by_code is not None)
-    demands = at_worst(demanded, wanted.limit, sweep.workers)
+    demands = at_worst(stated, wanted.limit, sweep.workers)
     if by_code:
         demands.rows = by_code.dynamic(demands.rows)
     of_draws = DrawnRows(drawn, wanted.limit)

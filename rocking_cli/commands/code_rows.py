@@ -22,7 +22,7 @@ from ..responses.code_check import (
 )
 from ..responses.verdict import Verdict
 from ..structures import RockingParameters
-from ..structures.building_modes import FloorMode, parse_mode
+from ..structures.building_modes import parse_mode
 from ..structures.mechanics.capacity_curve import require_geometry
 from .command import partly
 from .options import FigureFile
@@ -50,9 +50,16 @@ class CodeRows:
     """The checks by the code in one call."""
 
     def __init__(
-        self, spectrum: str | None, floor: Sequence[str], fc: float | None
+        self,
+        spectrum: str | None,
+        floor: Sequence[str],
+        fc: float | None,
+        building: Building | None,
+        structures: Sequence[RockingParameters],
     ) -> None:
-        """Read the options. Raises UsageError, DocumentError."""
+        """Read the options; building: that of the dynamics. Raises DocumentError, and
+        UsageError if --floor states another building than the dynamics or a structure.
+        """
         self.files = {} if spectrum is None else spectra_of(spectrum)
         read = {key: read_spectrum(source) for key, source in self.files.items()}
         # arguments of `code_check`
@@ -67,27 +74,18 @@ class CodeRows:
         self.checks: dict[tuple[str, str], tuple[CodeCheck, Demand, bool]] = {}
         self.lines: list[str] = []  # remarks to print below the table
         self.details: list[str] = []  # those that change no decision
-        self.building: Building | None = None  # below the body in the dynamics
+        self.building = building  # below the body in the dynamics
         # modes of the building that the document of a structure states, by its name
-        self.floors: dict[str, tuple[FloorMode, ...]] = {}
+        self.floors = {s.name: s.building for s in structures if s.building}
         # of each structure
         self.verdicts: dict[str, list[Verdict]] = {}
-
-    def stand_on(
-        self, building: Building | None, structures: Sequence[RockingParameters]
-    ) -> None:
-        """Take the building of the dynamics and those of the structures. Raises
-        UsageError if --floor states another one.
-        """
-        self.building = building
-        self.floors = {s.name: s.building for s in structures if s.building}
-        floor = self.given["floor"]
-        if floor and self.floors:
+        modes = self.given["floor"]
+        if modes and self.floors:
             raise UsageError(
                 "--floor does not go with a structure whose document has the key"
                 f" building, its floor of the code too: {next(iter(self.floors))}"
             )
-        if floor and building is not None and set(floor) != set(building.modes):
+        if modes and building is not None and set(modes) != set(building.modes):
             raise UsageError(
                 "--floor and --building state two floors; expected the same modes in"
                 " both, for the code and for the dynamics"

@@ -42,9 +42,11 @@ class Draws:
                 yield {"name": structure.name, **row}
 
 
-def require_spreads(structures: Iterable[RockingParameters]) -> None:
-    """Raise click.UsageError if no structure has a number with a spread to draw."""
-    if not any(s.drawn_from for s in structures):
+def require_spreads(draws: int | None, structures: Iterable[RockingParameters]) -> None:
+    """Raise click.UsageError if there are draws, and no structure has a number with a
+    spread.
+    """
+    if draws is not None and not any(s.drawn_from for s in structures):
         raise click.UsageError(
             "--draws: no number of the structures has a spread, such as width: 0.5 m"
             " +- 10 mm"

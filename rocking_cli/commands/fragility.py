@@ -137,8 +137,8 @@ def _requested(
     from ..spectra.sweep_options import SweepOptions
 
     structures = options.structures_of(files, each=True)
+    require_spreads(wanted.draws, structures)
     if wanted.draws is not None:
-        require_spreads(structures)
         refuse("does not go with --draws", "exact", "cells", "efficiency")
         if wanted.figure is None:
             refuse("does not go with --draws", "output")

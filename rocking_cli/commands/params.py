@@ -79,7 +79,7 @@ def params(
     if drawn.draws:
         refuse("does not go with --draws", "vary", "linear_uplift")
         structures = options.structures_of(files)
-        require_spreads(structures)
+        require_spreads(drawn.draws, structures)
         emit(list(drawn.rows(structures)))
         return
     variations = [parse_variation(text) for text in vary]

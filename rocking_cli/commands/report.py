@@ -85,60 +85,38 @@ def report(
     jinja2 matplotlib.
     """
     from ..dynamics.outcome import Outcome
-    from ..reports.page import page
-    from ..reports.page_of_many import beside_of, write_page_of_many
-    from ..reports.page_parts import WRITTEN_WITH, labels_of, write
-    from ..reports.page_sections import checked
-    from ..reports.wording import NOT_KNOWN, tally, verified_in_words
+    from ..reports.page_of_many import write_page_of_many
+    from ..reports.page_parts import WRITTEN_WITH, labels_of
+    from ..reports.wording import tally
     from ..responses.check import verdicts
     from ..structures.mechanics.capacity_curve import require_geometry
     from .check_demands import at_worst, demands_on
     from .check_remarks import worst_at_an_end
 
     options.check_target(wanted.output, overwrite, PAGES, packages=WRITTEN_WITH)
-    by_code = of_code.rows(verdict_only=False)
     files, motions = asked.several(files)
 
     def members() -> Members:
         return options.structures_of(files, each=True, with_documents=MOST), {}
 
     stated = demands_on(members, asked, motions, sign)
-    if many := len(stated.structures) > MOST:
-        refuse(
-            f"goes with up to {MOST} structures: of more the page is a summary",
-            *("draws", "code", "summary", "inset_effect"),
-        )
-        beside = beside_of(wanted.output)
-        options.check_target(beside, overwrite, (beside.suffix,), packages=WRITTEN_WITH)
-        labels = labels_of(stated.structures, wanted.by)
-    else:
-        refuse(f"goes with more than {MOST} structures", "by")
-    alone = by_code is not None and bool(by_code.files) and not stated.shakes
-    if alone:
-        refuse(
-            "needs a motion: under --spectrum alone nothing is shaken",
-            "draws",
-            "sort",
-            "inset_effect",
-        )
-    else:
-        stated.needed(by_code is not None)
-    options.refuse_own_input(wanted.output, stated.shaken.recordings)
-    if drawn.draws is not None:
-        require_spreads(stated.structures)
+    many = len(stated.structures) > MOST
+    _refuse_contradictions(stated, wanted, overwrite)
+    labels = labels_of(stated.structures, wanted.by)
+    require_spreads(drawn.draws, stated.structures)
+    by_code = of_code.rows(stated)
+    shaken = stated.are_shaken(by_code)
     if by_code is not None:
-        by_code.stand_on(asked.carrier, stated.structures)
         require_geometry(stated.structures)
     demands = at_worst(stated, _limit(), workers)
-    rows = demands.rows
     found = list(
         verdicts(
-            rows,
+            demands.rows,
             ranges=demands.ranges,
             a_max=_limit(),
             workers=workers,
             progress=ProgressLine("report", "checks"),
-            forces=not many or len(rows) < LONG_TABLE,
+            forces=not many or len(demands.rows) < LONG_TABLE,
         )
     )
     inputs = [*(files if many else ()), asked.vertical or ""]
@@ -146,21 +124,60 @@ def report(
     if many:
         write_page_of_many(found, labels, wanted.output, said, wanted.by, overwrite)
     else:
-        of = demands.structures
-        checks = [] if said.code is None else checked(of, found, rows, said.code)
-        lines = verified_in_words([one.check for one in checks])
-        note(*lines)
-        # a limit state without an answer is a part of the work without a result
-        partly(any(NOT_KNOWN in line for line in lines))
-        text = page(of, found, said, checks=checks, demands=rows, workers=workers)
-        write(wanted.output, text, overwrite)
-    if alone:
+        _write_sections(demands, found, said, wanted.output, workers, overwrite)
+    if shaken:
+        demand.note_demand(demands.shakes)
+        demand.note_governing(demands.structures, demands.shakes[0][1].dimensionless)
+        note(f"{wanted.output}: {tally(found)}", *filter(None, [said.opposite]))
+        note(*worst_at_an_end(demands, found))
+        partly(any(v.outcome == Outcome.FAILED for v in found))
+
+
+def _refuse_contradictions(
+    stated: Demands, wanted: ReportOptions, overwrite: bool
+) -> None:
+    """Raise UsageError for options of the other page, and for an output that cannot or
+    must not be written.
+    """
+    from ..reports.page_of_many import beside_of
+    from ..reports.page_parts import WRITTEN_WITH
+
+    options.refuse_own_input(wanted.output, stated.shaken.recordings)
+    if len(stated.structures) <= MOST:
+        refuse(f"goes with more than {MOST} structures", "by")
         return
-    demand.note_demand(demands.shakes)
-    demand.note_governing(demands.structures, demands.shakes[0][1].dimensionless)
-    note(f"{wanted.output}: {tally(found)}", *filter(None, [said.opposite]))
-    note(*worst_at_an_end(demands, found))
-    partly(any(v.outcome == Outcome.FAILED for v in found))
+    refuse(
+        f"goes with up to {MOST} structures: of more the page is a summary",
+        *("draws", "code", "summary", "inset_effect"),
+    )
+    beside = beside_of(wanted.output)
+    options.check_target(beside, overwrite, (beside.suffix,), packages=WRITTEN_WITH)
+
+
+def _write_sections(
+    demands: Demands,
+    found: Sequence[Verdict],
+    said: Asked,
+    target: Path,
+    workers: int | None,
+    overwrite: bool,
+) -> None:
+    """Write the page with a section for each structure, and print the verdicts of the
+    code.
+    """
+    from ..reports.page import page
+    from ..reports.page_parts import write
+    from ..reports.page_sections import checked
+    from ..reports.wording import NOT_KNOWN, verified_in_words
+
+    structures, rows, code = demands.structures, demands.rows, said.code
+    checks = [] if code is None else checked(structures, found, rows, code)
+    lines = verified_in_words([one.check for one in checks])
+    note(*lines)
+    # a limit state without an answer is a part of the work without a result
+    partly(any(NOT_KNOWN in line for line in lines))
+    text = page(structures, found, said, checks=checks, demands=rows, workers=workers)
+    write(target, text, overwrite)
 
 
 def _limit() -> Limit:
