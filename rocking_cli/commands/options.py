@@ -9,7 +9,7 @@ import os
 import re
 import shlex
 import sys
-from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, suppress
 from dataclasses import dataclass, replace
 from functools import partial
@@ -28,7 +28,7 @@ from .parameter_types import (
     limit,
     quantity,
 )
-from .printing import AnyRow, detail, form, keep_labels, note, units_of
+from .printing import detail, emit, form, keep_labels, note, units_of
 from .streams import printable
 
 if TYPE_CHECKING:
@@ -189,6 +189,14 @@ class FigureFile:
                 tell=note,
             )
 
+    def emit(
+        self, rows: Iterable[Mapping[str, Any]], columns: Sequence[str] = (), **how: Any
+    ) -> None:
+        """Print rows as `emit` does, and draw them."""
+        drawn: list[Mapping[str, Any]] = []
+        emit(_kept(rows, drawn), columns, **how)
+        self.draw(drawn)
+
     def canvas(self) -> AbstractContextManager[Figure]:
         """Return the context of the figure, for what no other command draws."""
         from ..reports.figures.canvas import canvas
@@ -197,7 +205,7 @@ class FigureFile:
         return canvas(self.output, self.overwrite, tell=note)
 
 
-def kept(rows: Iterable[AnyRow], into: list[Any]) -> Iterator[AnyRow]:
+def _kept(rows: Iterable[T], into: list[T]) -> Iterator[T]:
     """Yield rows and keep them in a list."""
     for row in rows:
         into.append(row)

@@ -141,8 +141,7 @@ def records(
     if wanted.record is not None:
         _write(wanted.record, taken_records, wanted.overwrite)
     if wanted.export_spectrum:
-        emit(taken, SPECTRUM_COLUMNS)
-        figure.draw(taken)
+        figure.emit(taken, SPECTRUM_COLUMNS)
     else:
         dimensions = {x.name: dimension_of_measure(x.name) for x in _further_measures()}
         emit(taken, COLUMNS, dimensions=dimensions)

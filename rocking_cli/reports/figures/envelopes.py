@@ -179,7 +179,7 @@ def _plot_bars(
 
     areas = list(_joined(bars, frequencies))
     joined = {x for area in areas for x, _ in area}
-    style = {"facecolors": colour, "edgecolors": colour}
+    style: dict[str, Any] = {"facecolors": colour, "edgecolors": colour}
     # the edges leave no seam between neighbours
     axes.add_collection(PolyCollection(areas, linewidths=0.3, **style))
     alone = [one for one in bars if one[0] not in joined]
