@@ -183,7 +183,7 @@ def check(
         demands, wanted, sweep.workers, by_code, of_draws, rows, known
     )
     if by_code:
-        figure.draw([check for check, _, _ in by_code.checks.values()])
+        figure.draw([one.check for one in by_code.checks.values()])
     elif wanted.vary:
         figure.draw(rows)
     else:

@@ -2,7 +2,6 @@
 
 import re
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
 from typing import Any
 
 from ..dynamics.method import governing_method
@@ -18,8 +17,8 @@ from ..responses.code_check import (
     SLV,
     CodeCheck,
     code_check,
-    first_beyond,
 )
+from ..responses.code_verdict import CodeVerdict, code_verdicts
 from ..responses.verdict import Verdict
 from ..structures import RockingParameters
 from ..structures.building_modes import parse_mode
@@ -69,13 +68,13 @@ class CodeRows:
             "floor": [parse_mode(text, "floor") for text in floor],
             "confidence": 1.0 if fc is None else fc,
         }
-        # for each structure and motion (check, demand, True if an equation of motion
-        # describes the body)
-        self.checks: dict[tuple[str, str], tuple[CodeCheck, Demand, bool]] = {}
+        self.checks: dict[tuple[str, str], CodeVerdict] = {}  # by structure and motion
+        # of bodies that no equation of motion describes
+        self.unmoved: list[CodeVerdict] = []
         self.lines: list[str] = []  # remarks to print below the table
         self.details: list[str] = []  # those that change no decision
         self.building = building  # below the body in the dynamics
-        # modes of the building that the document of a structure states, by its name
+        self.structures = structures
         self.floors = {s.name: s.building for s in structures if s.building}
         # of each structure
         self.verdicts: dict[str, list[Verdict]] = {}
@@ -119,37 +118,29 @@ class CodeRows:
         equation of motion describes.
         """
         require_geometry([structure for structure, _, _ in demands])
-        for structure, motion, grid in demands:
+        found = []
+        for one in code_verdicts(self.structures, demands, self.given):
+            assert one.demand is not None
+            structure, motion, grid = one.demand
+            self.checks[structure.name, motion.name] = one
             try:
                 governing_method(structure, dimensionless=grid.dimensionless).system_of(
                     structure
                 )
-                moves = True
+                found.append(one.demand)
             except UsageError as error:
-                moves = False
+                self.unmoved.append(one)
                 self.lines.append(f"no dynamics: {error}")
-            floors = self.floors.get(structure.name, ())
-            standing = replace(structure, building=floors)
-            check = code_check(standing, motion, grid, **self.given)
-            self.checks[structure.name, motion.name] = (
-                check,
-                (structure, motion, grid),
-                moves,
-            )
-        self._remark([check for check, _, _ in self.checks.values()])
-        return [demand for _, demand, moves in self.checks.values() if moves]
+        self._remark([one.check for one in self.checks.values()])
+        return found
 
     def columns(self, verdict: Verdict, searched: bool) -> dict[str, Any]:
         """Return the columns of the code for the row of a verdict; searched: search for
         theta_04_a too.
         """
-        check, demand, _ = self.checks[verdict.structure, verdict.motion]
+        one = self.checks[verdict.structure, verdict.motion]
         self.verdicts.setdefault(verdict.structure, []).append(verdict)
-        beyond = (
-            first_beyond(*demand, most=verdict.first_overturning_a)
-            if searched and verdict.slide is None
-            else None
-        )
+        beyond = one.beyond(verdict) if searched else None
         several = (
             f"{verdict.structure} under {verdict.motion}: "
             if len(self.checks) > 1
@@ -157,15 +148,14 @@ class CodeRows:
         )
         self.lines += [
             several + line
-            for line in check.promises(verdict.first_overturning_a, beyond)
+            for line in one.check.promises(verdict.first_overturning_a, beyond)
         ]
-        return check.row(beyond)
+        return one.check.row(beyond)
 
     def others(self) -> Iterator[dict[str, Any]]:
         """Yield a row for each body that no equation of motion describes."""
-        for check, (_, motion, _), moves in self.checks.values():
-            if not moves:
-                yield {**_head(check), "motion": motion.name, **check.row()}
+        for one in self.unmoved:
+            yield {**_head(one.check), "motion": one.motion, **one.check.row()}
 
     def said(self) -> list[str]:
         """Print what changes no decision, and return the other lines, under several
@@ -175,9 +165,7 @@ class CodeRows:
         detail(*self.details)
         found = []
         for name, verdicts in self.verdicts.items():
-            structure = next(
-                s for _, (s, _, _), _ in self.checks.values() if s.name == name
-            )
+            structure = next(s for s in self.structures if s.name == name)
             if (
                 len(verdicts) < 2
                 or self.given["floor"]

@@ -167,11 +167,11 @@ def _write_sections(
     """
     from ..reports.page import page
     from ..reports.page_parts import write
-    from ..reports.page_sections import checked
     from ..reports.wording import NOT_KNOWN, verified_in_words
+    from ..responses.code_verdict import code_verdicts
 
     structures, rows, code = demands.structures, demands.rows, said.code
-    checks = [] if code is None else checked(structures, found, rows, code)
+    checks = [] if code is None else list(code_verdicts(structures, rows, code))
     lines = verified_in_words([one.check for one in checks])
     note(*lines)
     # a limit state without an answer is a part of the work without a result

@@ -21,6 +21,7 @@ from ..processes import available_cpus, processes
 from ..publishing import check_target
 from ..responses.check import Demand, verdicts
 from ..responses.code_check import METHODS
+from ..responses.code_verdict import CodeVerdict
 from ..responses.opposite import opposite_outcomes
 from ..responses.verdict import Verdict
 from ..structures import (
@@ -44,7 +45,7 @@ from .page_parts import (
     verdict_row,
     write,
 )
-from .page_sections import Cases, CodeVerdict, image, section
+from .page_sections import Cases, image, section
 from .wording import (
     OVERVIEW,
     capacity_left,

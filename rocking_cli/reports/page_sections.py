@@ -3,8 +3,9 @@ the demand, the agreement of both equations, and fragility curves.
 """
 
 import base64
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from itertools import zip_longest
 from pathlib import Path
 from typing import Any
 
@@ -26,7 +27,8 @@ from ..motions.grid import Axis, Grid
 from ..motions.intensity_measures import MEASURES
 from ..motions.recording import Recording
 from ..responses.check import Demand
-from ..responses.code_check import METHODS, CodeCheck, code_check, first_beyond
+from ..responses.code_check import METHODS
+from ..responses.code_verdict import CodeVerdict
 from ..responses.shares import ShareOfDraws
 from ..responses.uncertainty import drawn_verdict, share_curve
 from ..responses.verdict import Verdict
@@ -52,59 +54,6 @@ CURVE, CLOSER = 22, 6
 _MAP_DPI = 200.0  # of the cells of a map, four dots a cell and more
 _SIZE = (4.2, 3.1)  # inches, of a drawing and a map: half of the width of a page
 FEW_DRAWS = 128  # draws of that curve under a record, at most
-
-
-@dataclass(frozen=True)
-class CodeVerdict:
-    """A check by the code, and the sentences on what it promises too much."""
-
-    motion: str  # name of the motion
-    check: CodeCheck  # amplitudes that the methods of the code accept
-    promises: list[str]  # on each method that accepts more than the dynamics do
-    carried: bool  # True if its document states a building, its floor of the code
-
-    @property
-    def verified(self) -> bool:
-        """True if each limit state that is asked is verified."""
-        return all(map(self.check.verified, self.check.asked))
-
-    @property
-    def least(self) -> float:
-        """The least amplitude over the demand that a limit state accepts, 0 for one
-        without an answer.
-        """
-        ratios = (at.ratio for at in self.check.reached().values())
-        return 0.0 if self.check.unanswered else min(ratios)
-
-
-def checked(
-    structures: Sequence[RockingParameters],
-    verdicts: Sequence[Verdict],
-    demands: Sequence[Demand],
-    code: Mapping[str, Any],
-) -> list[CodeVerdict]:
-    """Return the check by the code of each demand, or without one of each structure;
-    code: arguments of `code_check`.
-    """
-    if not demands:
-        return [
-            CodeVerdict(check.demand, check, [], bool(one.building))
-            for one in structures
-            for check in [code_check(one, **code)]
-        ]
-    found = []
-    # the demands are those on the floors already
-    modes = {one.name: one.building for one in structures}
-    for v, demand in zip(verdicts, demands, strict=True):
-        structure, motion, shaking = demand
-        carrier = modes.get(structure.name, ())
-        check = code_check(
-            replace(structure, building=carrier), motion, shaking, **code
-        )
-        beyond = first_beyond(*demand, most=v.first_overturning_a)
-        promises = check.promises(v.first_overturning_a, beyond)
-        found.append(CodeVerdict(v.motion, check, promises, bool(carrier)))
-    return found
 
 
 @dataclass(frozen=True)
@@ -182,7 +131,7 @@ def section(asked: Asked, workers: int | None, cases: Cases) -> dict[str, Any]:
             if recordings and asked.fragility
             else None
         ),
-        "code": _by_code(cases.checks) if cases.checks else None,
+        "code": _by_code(cases) if cases.checks else None,
         "draws": _draws(cases, asked.draws),
         "text": structure.document.text.strip() if structure.document else "",
     }
@@ -354,21 +303,23 @@ def _fragility(
     }
 
 
-def _by_code(checks: Sequence[CodeVerdict]) -> dict[str, Any]:
+def _by_code(cases: Cases) -> dict[str, Any]:
     """Return the template's values for the checks of a structure by the code: a line on
     each motion, and the capacity curve under the worst one.
     """
-    worst = min(checks, key=lambda one: one.least)
+    worst = min(cases.checks, key=lambda one: one.least)
 
     def plan(figure: Figure) -> None:
         figure.set_size_inches(6.4, 3.2)
         capacity_curve(figure.add_subplot(), worst.check)
 
     lines = []
-    for one in checks:
-        several = f"{one.motion}: " if len(checks) > 1 else ""
+    for one, v in zip_longest(cases.checks, cases.verdicts):
+        several = f"{one.motion}: " if len(cases.checks) > 1 else ""
         lines.append(f"{several}{', '.join(map(one.check.sentence, METHODS))}")
-        lines += [f"{several}{line}" for line in one.promises]
+        if v is not None:
+            promises = one.check.promises(v.first_overturning_a, one.beyond(v))
+            lines += [f"{several}{line}" for line in promises]
         if one.check.slv and one.check.slv.broken:
             lines.append(f"{several}a tie or a tendon breaks before 0.4 d0")
     return {"lines": lines, "figure": image(plan)}

@@ -34,7 +34,6 @@ from rocking_cli.motions.biaxial import Upwards
 from rocking_cli.motions.reading import read_motions
 from rocking_cli.reports.page import _some, page
 from rocking_cli.reports.page_parts import Asked
-from rocking_cli.reports.page_sections import checked
 from rocking_cli.reports.wording import (
     OVERVIEW,
     demand_plainly,
@@ -42,6 +41,7 @@ from rocking_cli.reports.wording import (
     overview_row,
     verdict_plainly,
 )
+from rocking_cli.responses.code_verdict import code_verdicts
 
 HOSTILE = """<script>document.title = "taken"</script>'"&amp; $x$ {{ 7 * 7 }}"""
 DEMAND = parse_grid("a_g=0.6g,f_g=1.2")
@@ -119,7 +119,7 @@ def text(verdict) -> str:
         [shown],
         [verdict],
         Asked(f"rocking {HOSTILE}", "today", author=HOSTILE, code={}, demand="strong"),
-        checks=checked([shown], [verdict], demands, {}),
+        checks=list(code_verdicts([shown], demands, {})),
         demands=demands,
         workers=1,
     )
