@@ -125,7 +125,7 @@ class OfRows:
                     return kind(figure, rows, units)
             if {"p", "alpha", "eta", "lambda"} <= there:
                 return family(figure, rows, units, self.over)
-        except (ValueError, TypeError, KeyError) as error:
+        except (ValueError, TypeError, KeyError, AttributeError) as error:
             raise UsageError(f"{name}: cannot be drawn: {error}") from None
         found = ", ".join(sorted(there))[:80]
         raise UsageError(
@@ -346,7 +346,7 @@ def opened_source(source: Any, tell: Callable[[str], None] | None) -> Opened:
     """Return what a path, several paths or a result in memory hold; tell: called with
     what is left out of records. Raises UsageError for another thing.
     """
-    several = list(source) if type(source) in (list, tuple) else [source]
+    several = source if type(source) in (list, tuple) else [source]
     if not several or not all(isinstance(one, str | Path) for one in several):
         return _in_memory(several[0] if len(several) == 1 else source, several)
     paths = [Path(one) for one in several]
@@ -362,7 +362,7 @@ def opened_source(source: Any, tell: Callable[[str], None] | None) -> Opened:
     return Opened(name, rows=partial(_rows, paths))
 
 
-def _in_memory(source: Any, several: list[Any]) -> Opened:
+def _in_memory(source: Any, several: Sequence[Any]) -> Opened:
     """Return what a result holds, or several of one kind."""
     from .figures.memory import memory_file, memory_plan, memory_rows
 

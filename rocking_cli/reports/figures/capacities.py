@@ -61,8 +61,8 @@ def _verdict(row: Mapping[str, Any]) -> Verdict:
         structure=row["structure"],
         motion=row["motion"],
         model=row["model"],
-        outcome=Outcome[row["outcome"].upper()],
-        outcome_linear=Outcome[row["outcome_linear"].upper()],
+        outcome=Outcome[str(row["outcome"]).upper()],
+        outcome_linear=Outcome[str(row["outcome_linear"]).upper()],
         **numbers,
     )
 

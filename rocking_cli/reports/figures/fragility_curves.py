@@ -45,7 +45,10 @@ def fragility_curves(figure: Figure, rows: Rows, units: Units) -> list[Axes]:
     im, keys = rows[0]["im"], ("structure", "limit_state", "method")
     dimension = dimension_of_measure(im)
     unit, factor = ("", 1.0) if dimension is None else units.of(dimension)
-    rows = [{**row, "limit_state": _limit_in_words(row["limit_state"])} for row in rows]
+    rows = [
+        {**row, "limit_state": _limit_in_words(row["limit_state"] or "")}
+        for row in rows
+    ]
     varied = [key for key in keys if len(groups(rows, key)) > 1]
     lines = list(groups(rows, *keys).values())
     for i, some in enumerate(lines):
@@ -180,7 +183,10 @@ def two_measures(figure: Figure, rows: Rows, units: Units) -> list[Axes]:
         known = [row for row in some if row["outcome"] != Outcome.FAILED.flag]
         x, y = (column_in(known, key, units) for key in ("pga", "pgv_pga"))
         sign = np.array(
-            [1.0 if Outcome[row["outcome"].upper()].falls else -1.0 for row in known]
+            [
+                1.0 if Outcome[str(row["outcome"]).upper()].falls else -1.0
+                for row in known
+            ]
         )
         for fell, text, mark in ((1.0, "falls", "xC1"), (-1.0, "stands", ".C0")):
             axes.plot(x[sign == fell], y[sign == fell], mark, ls="", ms=4.0, label=text)
