@@ -154,12 +154,10 @@ def check(
     from .check_rows import known_columns
     from .check_table import is_table, write_table
 
-    to_table = is_table(wanted.output)
     stated = stated_demands(files, asked, wanted.vary, wanted.sign)
-    if to_table:
-        forces = len(stated.structures) < LONG_TABLE
+    if is_table(wanted.output):
         stated.are_shaken()
-        return write_table(stated, wanted, sweep, forces)
+        return write_table(stated, wanted, sweep)
     require_spreads(drawn.draws, stated.structures)
     most_slide = _slide_limit(wanted.fail_on, stated, drawn)
     by_code = of_code.rows(stated, wanted.verdict_only, wanted.sort)
@@ -176,8 +174,8 @@ def check(
     if by_code:
         demands.rows = by_code.dynamic(demands.rows)
     of_draws = DrawnRows(drawn, wanted.limit)
-    if drawn.draws is not None and (ranged := demands.ranged):
-        note_one_demand(ranged)
+    if drawn.draws is not None and demands.ranged:
+        note_one_demand(demands.ranged)
     rows: list[dict[str, Any]] = []
     judged = _judge_and_print(
         demands, wanted, sweep.workers, by_code, of_draws, rows, known

@@ -255,12 +255,13 @@ def report(
     ['no_uplift']
     """
     motions = motions_of(motion)
-    built = (
-        build_structure(one)
-        for document in documents_from(documents)
-        for one in on_each_interface(document)
+    structures = list(
+        with_distinct_names(
+            build_structure(one)
+            for document in documents_from(documents)
+            for one in on_each_interface(document)
+        )
     )
-    structures = list(with_distinct_names(built))
     shakes = demands_of(motions, shaking)
     demands = [(one, *shake) for shake in shakes for one in structures]
     check_target(Path(target), overwrite)

@@ -167,8 +167,8 @@ class _Stage:
         for parts in (self.stone, self.still):
             axes.add_artist(parts)
         ticks = np.linspace(left - reach, right + reach, 12)
-        style = {"color": INK, "lw": 1.2, "marker": "|", "ms": 6.0, **on_ground}
-        (floor,) = axes.plot(ticks, np.full(ticks.size, low), **style)
+        on_ground |= {"color": INK, "lw": 1.2, "marker": "|", "ms": 6.0}
+        (floor,) = axes.plot(ticks, np.full(ticks.size, low), **on_ground)
         self.clock = axes.text(0.02, 0.97, "", transform=axes.transAxes, va="top")
         self.trace = course.acceleration / DEFAULT_GRAVITY
         below.plot(course.times, self.trace, color="0.3", lw=0.9)

@@ -198,29 +198,42 @@ def capacity_curve(axes: Axes, check: CodeCheck) -> None:
     seen = [s_a[s_d <= right].max(initial=0.0) for s_d, s_a in spectra]
     # the plateau of a spectrum far above the capacity is not shown
     top = max(top, min(1.1 * max(seen, default=0.0), 3.0 * top))
-    for i, ((name, at), mark) in enumerate(zip(states.items(), asked, strict=True)):
-        x, y, colour = _MM * at.displacement, at.acceleration / DEFAULT_GRAVITY, f"C{i}"
-        damping = f"demand, {100.0 * at.state.damping:g} %"
-        axes.plot(*spectra[i], lw=1.1, alpha=0.7, label=damping, color=colour)
-        slope = (2.0 * np.pi / at.period) ** 2 / (_MM * DEFAULT_GRAVITY)
+    for i, (name, at) in enumerate(states.items()):
         axes.plot(
-            [0.0, right],
-            [0.0, right * slope],
-            lw=0.9,
-            ls="--",
-            label=f"$T_{{{name}}}$ = {at.period:.3g} s",
-            color=colour,
+            *spectra[i],
+            lw=1.1,
+            alpha=0.7,
+            label=f"demand, {100.0 * at.state.damping:g} %",
+            color=f"C{i}",
         )
-        axes.plot(x, y, "o", ms=5, label=f"$d_{{{name}}}$ = {x:.3g} mm", color=colour)
-        axes.plot(
-            *mark, "x", ms=6, label=f"demand at {name} {mark[0]:.3g} mm", color=colour
-        )
-        axes.plot([x, x], [0.0, y], lw=0.7, ls=":", color=colour)
+        _plot_state(axes, name, at, asked[i], right, f"C{i}")
     axes.set(xlim=(0.0, right), ylim=(0.0, top), xlabel="$d$ [mm]", ylabel="$a$ [g]")
     verdict = ", ".join(map(check.sentence, ("code_slv", "code_slc")))
     title = f"{check.structure}, NTC 2018, {code_demand_in_words([check])}\n{verdict}"
     axes.set_title(literal(title), fontsize="small")
     axes.legend(fontsize="x-small", loc="upper left", bbox_to_anchor=(1.01, 1.0))
+
+
+def _plot_state(
+    axes: Axes,
+    name: str,
+    at: Reached,
+    demand: tuple[float, float],
+    right: float,
+    colour: str,
+) -> None:
+    """Draw a limit state, its secant period up to d = `right`, and a cross at its
+    demand.
+    """
+    x, y = _MM * at.displacement, at.acceleration / DEFAULT_GRAVITY
+    slope = (2.0 * np.pi / at.period) ** 2 / (_MM * DEFAULT_GRAVITY)
+    period = f"$T_{{{name}}}$ = {at.period:.3g} s"
+    secant = [0.0, right], [0.0, right * slope]
+    axes.plot(*secant, lw=0.9, ls="--", label=period, color=colour)
+    axes.plot(x, y, "o", ms=5, label=f"$d_{{{name}}}$ = {x:.3g} mm", color=colour)
+    said = f"demand at {name} {demand[0]:.3g} mm"
+    axes.plot(*demand, "x", ms=6, label=said, color=colour)
+    axes.plot([x, x], [0.0, y], lw=0.7, ls=":", color=colour)
 
 
 def code_demand_in_words(checks: Sequence[CodeCheck]) -> str:

@@ -195,13 +195,12 @@ def least_amplitudes(
         )
         if "demand_a" in rows[0]:
             _plot_demand(axes, float(column_in(some, "demand_a", units)[0]), demands)
-    name = literal(_common_name(rows, varied[0].removeprefix(VARIED), "structure"))
-    under = heading(rows, units, "motion", "record", "model")
-    axes.set(
-        xlabel=xlabel,
-        ylabel=label(y, units),
-        title="\n".join(filter(None, (name, under))),
-    )
+    words = [
+        literal(_common_name(rows, varied[0].removeprefix(VARIED), "structure")),
+        heading(rows, units, "motion", "record", "model"),
+    ]
+    axes.set_title("\n".join(filter(None, words)))
+    axes.set(xlabel=xlabel, ylabel=label(y, units))
     axes.set_ylim(bottom=0.0)
     legend(axes)
     return [axes]

@@ -2,9 +2,11 @@
 panel for each structure.
 """
 
+from __future__ import annotations
+
 from collections.abc import Iterable, Iterator
 from itertools import pairwise
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -23,6 +25,9 @@ from .canvas import (
     valued,
 )
 from .colours import COLOURS
+
+if TYPE_CHECKING:
+    from matplotlib.patches import Patch
 
 _MODES = {o.mode: o for o in Outcome}
 # each combination of their values has its panel
@@ -59,7 +64,7 @@ def bands(figure: Figure, rows: Rows, units: Units) -> list[Axes]:
     records = list(dict.fromkeys(row[over] for row in rows if over == "record"))
     drawn = panels(figure, len(found))
     most = _reach(found.values(), over, units) if amplitude == "a" else None
-    entries: dict[str, Any] = {}
+    entries: dict[Outcome, Patch] = {}
     for axes, some in zip(drawn, found.values(), strict=True):
         x = _abscissa(axes, some, over, records, units)
         entries |= _draw(axes, some, amplitude, x, over, units)
@@ -142,9 +147,9 @@ def _stop_at(axes: Axes, most: float | None, units: Units) -> None:
 
 def _draw(
     axes: Axes, some: Rows, amplitude: str, x: np.ndarray, over: str, units: Units
-) -> dict[str, Any]:
+) -> dict[Outcome, Patch]:
     """Draw the intervals at each x, joined between neighbouring frequencies; only their
-    lower ends if the rows have no upper end. Return legend entries by their texts.
+    lower ends if the rows have no upper end. Return legend entries by outcome.
     """
     from matplotlib.patches import Patch
 
@@ -155,18 +160,18 @@ def _draw(
     high = np.where(np.isnan(high), top, high)
     frequencies = [] if over in _WIDTHS else sorted(set(x.tolist()))
     modes = np.array([row["mode"] for row in some])
-    entries: dict[str, Any] = {}
+    entries: dict[Outcome, Patch] = {}
     for mode in dict.fromkeys(modes.tolist()):
         outcome = _MODES.get(mode)
         if outcome is None:  # mode "none"
             continue
         mine = (modes == mode) & ~np.isnan(low)
         bars = list(zip(*(v[mine].tolist() for v in (x, low, high)), strict=True))
-        colour, words = COLOURS[outcome], outcome.sentence
+        colour = COLOURS[outcome]
         _plot_bars(axes, bars, frequencies, colour, _WIDTHS.get(over, 1.0))
         if not ended:
             axes.plot(x[mine], low[mine], "o", color=colour, ms=4.0)
-        entries[words] = Patch(facecolor=colour, label=words)
+        entries[outcome] = Patch(facecolor=colour, label=outcome.sentence)
     axes.set_ylim(0.0, top)
     return entries
 

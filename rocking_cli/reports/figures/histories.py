@@ -59,8 +59,7 @@ def response(
             lw=1.0,
         )
     if moves:
-        key = "ground_acceleration" if x == "t" else "A_s"
-        others[-1].set_ylabel(label(key, units))
+        others[-1].set_ylabel(label(ground if x == "t" else "A_s", units))
     drawn = [axes, *others]
     drawn[-1].set_xlabel(label(x, units) + ", 0 at the largest rotation" * align)
     if forces:
