@@ -349,9 +349,9 @@ def _search_remarks(
     judged: list[Verdict], demands: Demands, wanted: CheckOptions
 ) -> None:
     """Print what is to be said of the search, and what worn edges would take."""
+    from ..reports.device_words import devices_in_words
     from ..responses.inset import may_be_worn
     from .check_remarks import (
-        devices_of,
         inset_effects,
         narrow_intervals,
         without_worst,
@@ -368,7 +368,7 @@ def _search_remarks(
         detail(range_in_words(demands.ranged, limit is not None))
     detail(*without_worst(demands, judged))
     for v in judged:
-        detail(*(f"{v.structure}: {line}" for line in devices_of(v) if v.devices))
+        detail(*(f"{v.structure}: {line}" for line in devices_in_words(v) if v.devices))
     if limit is None:
         return
     if not wanted.inset_effect and may_be_worn(judged, demands.rows):

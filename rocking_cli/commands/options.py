@@ -349,17 +349,17 @@ def note_no_solution(member: Member) -> None:
 
 
 def documents_of(
-    files: tuple[str, ...], most: int | None = None, place: str = "", each: bool = False
+    files: tuple[str, ...], most: int | None = None, place: str = ""
 ) -> list[Any]:
-    """Return the structure documents of the files; each: see `structures_of`. Raises
-    click.UsageError for more than `most`; place: what limits them, in words.
+    """Return the structure documents of the files. Raises click.UsageError for more
+    than `most`; place: what limits them, in words.
     """
     found = list(each_document(files))
     if most is not None and len(found) > most:
         raise click.UsageError(
             f"found {len(found)} structures; expected at most {most} for {place}"
         )
-    return list(_on_each(found)) if each else found
+    return found
 
 
 def _on_each(documents: Iterable[Any]) -> Iterator[Any]:
@@ -482,7 +482,6 @@ def check_target(
     output: Path,
     overwrite: bool,
     suffixes: tuple[str, ...] = FIGURES,
-    recordings: Sequence[Recording] = (),
     packages: tuple[str, ...] = (),
     instead: str = "",
 ) -> None:
@@ -501,7 +500,7 @@ def check_target(
             f" or the rows by --csv > {output.with_suffix('.csv')}"
         )
     check(output, overwrite, suffixes)
-    refuse_own_input(output, recordings)
+    refuse_own_input(output)
     require(*(packages or DRAWN_WITH), instead=instead)
 
 

@@ -220,9 +220,13 @@ def draw(
     opened, units = opened_source(source, tell), in_figure_units(units)
     alone = None if isinstance(target, str | Path) else target
     remark = None
-    instead = "; `text` needs nothing" if opened.cells else ""
     name = opened.name or (type(source).__name__ if alone else str(target))
-    with _place(target, instead, overwrite, look, tell) as figure:
+    place: AbstractContextManager[Any] = (
+        canvas(target, overwrite, look=look, tell=tell)
+        if isinstance(target, str | Path)
+        else nullcontext(OneAxes(require_axes(target)))
+    )
+    with place as figure:
         if opened.plan is not None:
             axes = opened.plan(figure, units, alone)
         elif opened.cells is None:
@@ -268,21 +272,6 @@ def _set_logarithmic(axes: Sequence[Axes], log: str) -> None:
         for axis in log:
             one.set(**{f"{axis}scale": "log"})
             plain_ticks(getattr(one, f"{axis}axis"))
-
-
-def _place(
-    target: str | Path | Axes,
-    instead: str,
-    overwrite: bool,
-    look: Look | None,
-    tell: Callable[[str], None] | None,
-) -> AbstractContextManager[Any]:
-    """Return the context of the figure: one that is written, or the Axes of the
-    caller; instead: an alternative without matplotlib.
-    """
-    if not isinstance(target, str | Path):
-        return nullcontext(OneAxes(require_axes(target)))
-    return canvas(target, overwrite, look=look, tell=tell, instead=instead)
 
 
 def _cut(

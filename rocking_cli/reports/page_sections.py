@@ -111,9 +111,7 @@ def section(asked: Asked, workers: int | None, cases: Cases) -> dict[str, Any]:
             f"{v.motion}: {remark}"
             for v in mine
             for remark in [
-                *devices_in_words(
-                    v.devices, v.first_overturning_a, v.first_overturning_a_free
-                ),
+                *devices_in_words(v),
                 *([v.slide.words] if v.slide else []),
                 *([v.coupling] if v.coupling else []),
             ]

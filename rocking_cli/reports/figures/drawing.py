@@ -4,6 +4,7 @@ hinges, mass centre, alpha, and cracks.
 
 import math
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
 from textwrap import fill
 from typing import Any
@@ -89,8 +90,8 @@ def draw_structures(
         structure_axes(require_axes(target), *found[0], units or Units())
         return target
     across = panels_across(len(found))
-    natural = _WIDTH * across
-    with canvas(target, overwrite, look=look, tell=tell, natural=natural) as figure:
+    look = replace(look or Look(), natural=_WIDTH * across)
+    with canvas(target, overwrite, look=look, tell=tell) as figure:
         drawn = panels(figure, len(found))
         units = units or Units()
         sizes = [_size(sketch) for _, sketch in found]
