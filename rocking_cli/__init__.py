@@ -54,16 +54,13 @@ def __getattr__(name: str) -> Any:
 
 @cache
 def _public(name: str) -> Any:
-    """The thing of a public name; functions and classes tell wrong arguments."""
+    """The thing of a public name; a function checks its arguments."""
     module, there = _homes()[name]
     found = getattr(import_module(module), there)
-    from .arguments import checked, tell_wrong_arguments
-
-    made = isinstance(found, type) and "__init__" in vars(found)
-    if made and not getattr(found, "_is_protocol", False):
-        tell_wrong_arguments(found, _Public())
     if not isinstance(found, FunctionType):
         return found
+    from .arguments import checked
+
     return checked(found, name, __name__, _Public())
 
 

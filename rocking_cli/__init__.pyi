@@ -64,8 +64,6 @@ from .motions.response_spectra import acceleration_spectrum as acceleration_spec
 from .motions.response_spectra import displacement_spectrum as displacement_spectrum
 from .reports.drawing_files import draw as draw
 from .reports.figures.canvas import Look as Look
-from .reports.figures.capacities import draw_capacities as draw_capacities
-from .reports.figures.capacities import draw_capacity_curves as draw_capacity_curves
 from .reports.figures.drawing import draw_structures as draw_structures
 from .reports.page import report as report
 from .reports.units import Units as Units

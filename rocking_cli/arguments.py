@@ -10,7 +10,6 @@ import reprlib
 import types
 import typing
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import suppress
 from functools import cache, wraps
 from inspect import BoundArguments, Parameter, Signature, signature
 from itertools import islice
@@ -18,7 +17,7 @@ from numbers import Integral, Real
 from pathlib import Path
 from typing import Any
 
-from .errors import ArgumentError, RockingError, did_you_mean
+from .errors import ArgumentError, did_you_mean
 
 _MOST_ITEMS = 10_000  # number of items of a list that are checked
 # types in words, with the functions that make what another one takes
@@ -73,43 +72,6 @@ def checked(
 
     wrapper.__module__, wrapper.__qualname__ = package, name
     return wrapper
-
-
-def tell_wrong_arguments(kind: type[Any], public: Mapping[str, Any]) -> None:
-    """Let a public class tell, by ArgumentError, which argument does not fit its
-    annotation, where an object cannot be made; a fault with right arguments stays.
-    """
-    make, of = kind.__init__, signature(kind)
-
-    @wraps(make)
-    def made(self: Any, *args: Any, **kwargs: Any) -> None:
-        try:
-            make(self, *args, **kwargs)
-        except RockingError:
-            raise
-        except (AttributeError, LookupError, OverflowError, TypeError, ValueError):
-            if type(self) is kind:
-                _blame(kind.__name__, make, of, public, args, kwargs)
-            raise
-
-    type.__setattr__(kind, "__init__", made)
-
-
-def _blame(
-    name: str,
-    make: Any,
-    of: Signature,
-    public: Mapping[str, Any],
-    args: Sequence[Any],
-    kwargs: Mapping[str, Any],
-) -> None:
-    """Raise ArgumentError for an argument that does not fit its annotation."""
-    for argument, value in _bound(name, of, args, kwargs).arguments.items():
-        one = {argument: make.__annotations__.get(argument, Any)}
-        holder = types.SimpleNamespace(__annotations__=one)
-        with suppress(KeyError):  # a type that is not public
-            hints = typing.get_type_hints(holder, make.__globals__, _Names(public))
-            _check(name, argument, hints[argument], value)
 
 
 class _Names(dict[str, Any]):

@@ -42,7 +42,7 @@ class UsageError(RockingError):
 
 
 class ArgumentError(UsageError, TypeError, ValueError):
-    """An argument of another type or value than a function or a class takes.
+    """An argument of another type or value than a function takes.
 
     Every function that `import rocking_cli` offers raises it, also for an argument too
     many or too few. It is a `UsageError`, and a TypeError and ValueError of Python.

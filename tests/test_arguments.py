@@ -26,12 +26,6 @@ from rocking_cli import (
 FUNCTIONS = sorted(
     name for name in dir(rocking_cli) if inspect.isfunction(getattr(rocking_cli, name))
 )
-CLASSES = sorted(
-    name
-    for name in dir(rocking_cli)
-    if inspect.isclass(kind := getattr(rocking_cli, name)) and "__init__" in vars(kind)
-    if not getattr(kind, "_is_protocol", False)
-)
 BLOCK = load_structures("configs/block.yaml")[0]
 STATED = load_structures("configs/parameters.yaml")[0]  # whose equation is quick
 # What an argument of this name may be; the others are optional.
@@ -157,19 +151,6 @@ def raised(function, right, needed, given):
     return None
 
 
-@pytest.mark.parametrize("name", CLASSES)
-def test_a_class_that_cannot_be_made_tells_the_wrong_argument(name):
-    kind = getattr(rocking_cli, name)
-    needed = {
-        p.name: RIGHT.get(p.name, 1.0)
-        for p in inspect.signature(kind).parameters.values()
-        if p.default is p.empty and p.kind is p.POSITIONAL_OR_KEYWORD
-    }
-    for argument in inspect.signature(kind).parameters:
-        for wrong in wrong_values():
-            raised(kind, needed, needed, {argument: wrong})
-
-
 GRID = parse_grid("a_g=0.3g,f_g=1")
 SENTENCES = [
     (
@@ -228,10 +209,6 @@ SENTENCES = [
     (
         lambda: rocking_cli.Resampling("many"),
         "Resampling: `samples`: found 'many'; expected a whole number",
-    ),
-    (
-        lambda: rocking_cli.Method(3),
-        "Method: `model`: found 3; expected a text",
     ),
     (
         lambda: rocking_cli.sine(cycles=10**400),

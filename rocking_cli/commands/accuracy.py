@@ -62,7 +62,7 @@ def accuracy(
     motion = motions.one().motion
     assert motion is not None
     grid = parse_grid(wanted.axes, own_time=motion.acceleration is not None)
-    structures, _ = options.structures_of(files, sizeless.etas)
+    structures = options.structures_of(files, sizeless.etas)
     if len(structures) > 1:
         raise click.UsageError(f"found {len(structures)} structures; expected one")
     note(*stuck_in_words(structures))

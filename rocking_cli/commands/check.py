@@ -62,7 +62,9 @@ class CodeOptions:
         "--fc", "Confidence factor of --code (default 1).", type=NUMBER
     )
 
-    def rows(self, verdict_only: bool, sort: str | None = None) -> CodeRows | None:
+    def rows(
+        self, stated: Demands, verdict_only: bool = False, sort: str | None = None
+    ) -> CodeRows | None:
         """Return the checks by the code, None without --code. Raises UsageError."""
         unknown = "needs the capacities, which --verdict-only does not search"
         if verdict_only:
@@ -70,7 +72,8 @@ class CodeOptions:
         if self.code is not None:
             from .code_rows import CodeRows
 
-            return CodeRows(self.spectrum, self.floor, self.fc)
+            own = self.spectrum, self.floor, self.fc
+            return CodeRows(*own, stated.asked.carrier, stated.structures)
         refuse("goes with --code", "spectrum", "floor", "fc")
         if verdict_only:
             refuse(unknown, "output", *["sort"] * (sort == "capacity"))
@@ -146,50 +149,43 @@ def check(
     (JSON, CSV) or in the unit of the request (table), unless --units says otherwise.
     """
     from ..dynamics.outcome import Outcome
+    from ..reports.units import parse_units
     from .check_demands import at_worst, opposite_outcomes, stated_demands
     from .check_rows import known_columns
     from .check_table import is_table, write_table
 
-    to_table = is_table(wanted.output)
     stated = stated_demands(files, asked, wanted.vary, wanted.sign)
-    if to_table:
-        forces = len(stated.structures) < LONG_TABLE
-        return write_table(stated.needed(False), wanted, sweep, forces)
-    if drawn.draws is not None:
-        require_spreads(stated.structures)
+    if is_table(wanted.output):
+        stated.are_shaken()
+        return write_table(stated, wanted, sweep)
+    require_spreads(drawn.draws, stated.structures)
     most_slide = _slide_limit(wanted.fail_on, stated, drawn)
-    by_code = of_code.rows(wanted.verdict_only, wanted.sort)
-    if by_code is not None:
-        by_code.stand_on(asked.carrier, stated.structures)
+    by_code = of_code.rows(stated, wanted.verdict_only, wanted.sort)
     known = known_columns(stated, wanted, by_code is not None, drawn.draws is not None)
     require_columns(known, wanted.sort)
+    figure = options.FigureFile(wanted.output, sweep.overwrite)
     if wanted.output is not None:
-        options.check_target(wanted.output, sweep.overwrite)
-    if by_code and of_code.spectrum and not stated.shakes:
-        refuse(
-            "needs a motion: under --spectrum alone nothing is shaken",
-            "fail_on",
-            "sort",
-            "inset_effect",
-        )
-        by_code.alone(stated.structures, stated.varied, wanted.output, sweep.overwrite)
+        figure.check()
+    if not stated.are_shaken(by_code) and by_code:
+        by_code.alone(stated.structures, stated.varied, figure)
         return 0
 
-    demanded = stated.needed(by_code is not None)
-    demands = at_worst(demanded, wanted.limit, sweep.workers)
+    demands = at_worst(stated, wanted.limit, sweep.workers)
     if by_code:
         demands.rows = by_code.dynamic(demands.rows)
     of_draws = DrawnRows(drawn, wanted.limit)
-    if drawn.draws is not None and (ranged := demands.ranged):
-        note_one_demand(ranged)
+    if drawn.draws is not None and demands.ranged:
+        note_one_demand(demands.ranged)
     rows: list[dict[str, Any]] = []
     judged = _judge_and_print(
         demands, wanted, sweep.workers, by_code, of_draws, rows, known
     )
-    if wanted.output is not None and wanted.vary and by_code is None:
-        options.draw_figure(rows, wanted.output, sweep.overwrite)
+    if by_code:
+        figure.draw([one.check for one in by_code.checks.values()])
+    elif wanted.vary:
+        figure.draw(rows)
     else:
-        _draw(judged, wanted.output, sweep.overwrite, by_code, _in_g(asked))
+        figure.draw(judged, units=parse_units("g" if _in_g(asked) else "m/s2"))
 
     opposite = opposite_outcomes(demands)
     demand.note_demand(demands.shakes)
@@ -328,26 +324,6 @@ def _forces_wanted(rows: int) -> bool:
     return False
 
 
-def _draw(
-    judged: list[Verdict],
-    output: Path | None,
-    overwrite: bool,
-    by_code: CodeRows | None,
-    in_g: bool,
-) -> None:
-    """Draw the capacities, or the capacity curves of the code, if the call has an
-    output.
-    """
-    if output is None:
-        return
-    if by_code:
-        by_code.draw(output, overwrite)
-        return
-    from ..reports.figures.capacities import draw_capacities
-
-    draw_capacities(judged, output, in_g=in_g, overwrite=overwrite, tell=note)
-
-
 def _lines(
     judged: list[Verdict],
     demands: Demands,
@@ -373,9 +349,9 @@ def _search_remarks(
     judged: list[Verdict], demands: Demands, wanted: CheckOptions
 ) -> None:
     """Print what is to be said of the search, and what worn edges would take."""
+    from ..reports.device_words import devices_in_words
     from ..responses.inset import may_be_worn
     from .check_remarks import (
-        devices_of,
         inset_effects,
         narrow_intervals,
         without_worst,
@@ -392,7 +368,7 @@ def _search_remarks(
         detail(range_in_words(demands.ranged, limit is not None))
     detail(*without_worst(demands, judged))
     for v in judged:
-        detail(*(f"{v.structure}: {line}" for line in devices_of(v) if v.devices))
+        detail(*(f"{v.structure}: {line}" for line in devices_in_words(v) if v.devices))
     if limit is None:
         return
     if not wanted.inset_effect and may_be_worn(judged, demands.rows):

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from . import options
+from .command import refuse
 from .demand import Directed
 from .ground import Ground, ends_abruptly, no_shaking
 from .printing import detail, note
@@ -25,6 +26,7 @@ if TYPE_CHECKING:
     from ..motions.grid import Grid
     from ..responses.check import Demand, OfRange
     from ..structures import RockingParameters
+    from .code_rows import CodeRows
 
 # structures, and the columns of the varied values of each
 Members = tuple[list["RockingParameters"], dict[str, dict[str, float]]]
@@ -57,13 +59,18 @@ class Demands:
             return "azimuth"
         return "frequency" if self.up_to is not None else ""
 
-    def needed(self, by_code: bool) -> Demands:
-        """Return these demands. Raises click.UsageError if nothing shakes the
-        structures.
+    def are_shaken(self, by_code: CodeRows | None = None) -> bool:
+        """True if a motion shakes the structures, False if the spectrum of a code
+        stands alone. Raises click.UsageError if there is neither.
         """
-        if not self.shakes:
-            raise no_shaking("--motion FILE", *["--spectrum FILE"] * by_code)
-        return self
+        if self.shakes:
+            return True
+        if by_code is None or not by_code.files:
+            also = ["--spectrum FILE"] * (by_code is not None)
+            raise no_shaking("--motion FILE", *also)
+        why = "needs a motion: under --spectrum alone nothing is shaken"
+        refuse(why, "draws", "fail_on", "sort", "inset_effect")
+        return False
 
 
 def stated_demands(

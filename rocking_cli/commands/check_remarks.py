@@ -31,6 +31,8 @@ def remarks(verdicts: list[Verdict], *, of_means: bool = False) -> list[str]:
     """Return the lines on which structures overturn, and what to note on the others;
     of_means: True if lines on draws stand before them.
     """
+    from ..reports.device_words import devices_in_words
+
     several = len({v.motion for v in verdicts}) > 1
 
     def named(found: Iterable[Verdict]) -> list[str]:
@@ -50,7 +52,7 @@ def remarks(verdicts: list[Verdict], *, of_means: bool = False) -> list[str]:
     lines += sliding_remarks(verdicts, named)
     for v in verdicts:
         if any(device["state"] != "elastic" for device in v.devices):
-            lines += [f"{named([v])[0]}: {line}" for line in devices_of(v)]
+            lines += [f"{named([v])[0]}: {line}" for line in devices_in_words(v)]
     if any(v.share_of_falls for v in verdicts):
         lines.append(
             "falls_nearby: this share of the amplitudes up to 5 % above"
@@ -58,15 +60,6 @@ def remarks(verdicts: list[Verdict], *, of_means: bool = False) -> list[str]:
             " may begin below it"
         )
     return lines
-
-
-def devices_of(v: Verdict) -> list[str]:
-    """Return the sentences on the ties and tendon of a body."""
-    from ..reports.device_words import devices_in_words
-
-    return devices_in_words(
-        v.devices, v.first_overturning_a, v.first_overturning_a_free
-    )
 
 
 def _conditions() -> list[tuple[str, Callable[[Verdict], Any]]]:

@@ -36,9 +36,7 @@ def is_table(output: Path | None) -> bool:
     return False
 
 
-def write_table(
-    demands: Demands, wanted: CheckOptions, sweep: options.Sweep, forces: bool
-) -> int:
+def write_table(demands: Demands, wanted: CheckOptions, sweep: options.Sweep) -> int:
     """Write the verdicts of a call into a file, say how many fall, and return the exit
     code.
     """
@@ -46,6 +44,7 @@ def write_table(
     from ..spectra.file.partial_file import check_output
     from ..spectra.sweep_options import SweepOptions
     from ..spectra.verdicts import SIGNS, VerdictScene, write_verdicts
+    from .check import LONG_TABLE
 
     output = wanted.output
     assert output is not None
@@ -62,13 +61,13 @@ def write_table(
     shakes = {opposite if demands.sign == "-" else stated: shaken.shakes}
     if demands.sign == "both":
         shakes[opposite] = shaken.reversed.shakes
-    scene = VerdictScene(
-        tuple(demands.structures), shakes, shaken.recordings, wanted.limit, forces
-    )
+    structures = tuple(demands.structures)
+    forces = len(structures) < LONG_TABLE
+    scene = VerdictScene(structures, shakes, shaken.recordings, wanted.limit, forces)
     settings = SweepOptions(
         history=f"{options.now()}: {options.command_line()}",
         progress=ProgressLine("check", "chunks"),
-        **sweep.writing(""),
+        **sweep.writing(()),
     )
     row = write_verdicts(scene, output, settings)
     counts = np.array([row[f"cells_{o.flag}"] for o in Outcome])

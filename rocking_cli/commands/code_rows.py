@@ -2,15 +2,13 @@
 
 import re
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 from ..dynamics.method import governing_method
 from ..errors import UsageError
 from ..motions.buildings import Building
 from ..motions.design_spectra import read_spectrum
-from ..reports.figures.capacities import code_demand_in_words, draw_capacity_curves
+from ..reports.figures.capacities import code_demand_in_words
 from ..reports.wording import verified_in_words
 from ..responses.check import Demand
 from ..responses.code_check import (
@@ -19,13 +17,14 @@ from ..responses.code_check import (
     SLV,
     CodeCheck,
     code_check,
-    first_beyond,
 )
+from ..responses.code_verdict import CodeVerdict, code_verdicts
 from ..responses.verdict import Verdict
 from ..structures import RockingParameters
-from ..structures.building_modes import FloorMode, parse_mode
+from ..structures.building_modes import parse_mode
 from ..structures.mechanics.capacity_curve import require_geometry
 from .command import partly
+from .options import FigureFile
 from .printing import detail, emit, note
 
 _FILES = re.compile(r"(slv|slc)=([^,]+)(?:,(slv|slc)=([^,]+))?")
@@ -50,9 +49,16 @@ class CodeRows:
     """The checks by the code in one call."""
 
     def __init__(
-        self, spectrum: str | None, floor: Sequence[str], fc: float | None
+        self,
+        spectrum: str | None,
+        floor: Sequence[str],
+        fc: float | None,
+        building: Building | None,
+        structures: Sequence[RockingParameters],
     ) -> None:
-        """Read the options. Raises UsageError, DocumentError."""
+        """Read the options; building: that of the dynamics. Raises DocumentError, and
+        UsageError if --floor states another building than the dynamics or a structure.
+        """
         self.files = {} if spectrum is None else spectra_of(spectrum)
         read = {key: read_spectrum(source) for key, source in self.files.items()}
         # arguments of `code_check`
@@ -62,32 +68,23 @@ class CodeRows:
             "floor": [parse_mode(text, "floor") for text in floor],
             "confidence": 1.0 if fc is None else fc,
         }
-        # for each structure and motion (check, demand, True if an equation of motion
-        # describes the body)
-        self.checks: dict[tuple[str, str], tuple[CodeCheck, Demand, bool]] = {}
+        self.checks: dict[tuple[str, str], CodeVerdict] = {}  # by structure and motion
+        # of bodies that no equation of motion describes
+        self.unmoved: list[CodeVerdict] = []
         self.lines: list[str] = []  # remarks to print below the table
         self.details: list[str] = []  # those that change no decision
-        self.building: Building | None = None  # below the body in the dynamics
-        # modes of the building that the document of a structure states, by its name
-        self.floors: dict[str, tuple[FloorMode, ...]] = {}
+        self.building = building  # below the body in the dynamics
+        self.structures = structures
+        self.floors = {s.name: s.building for s in structures if s.building}
         # of each structure
         self.verdicts: dict[str, list[Verdict]] = {}
-
-    def stand_on(
-        self, building: Building | None, structures: Sequence[RockingParameters]
-    ) -> None:
-        """Take the building of the dynamics and those of the structures. Raises
-        UsageError if --floor states another one.
-        """
-        self.building = building
-        self.floors = {s.name: s.building for s in structures if s.building}
-        floor = self.given["floor"]
-        if floor and self.floors:
+        modes = self.given["floor"]
+        if modes and self.floors:
             raise UsageError(
                 "--floor does not go with a structure whose document has the key"
                 f" building, its floor of the code too: {next(iter(self.floors))}"
             )
-        if floor and building is not None and set(floor) != set(building.modes):
+        if modes and building is not None and set(modes) != set(building.modes):
             raise UsageError(
                 "--floor and --building state two floors; expected the same modes in"
                 " both, for the code and for the dynamics"
@@ -97,8 +94,7 @@ class CodeRows:
         self,
         structures: Sequence[RockingParameters],
         varied: Mapping[str, Mapping[str, Any]],
-        output: Path | None,
-        overwrite: bool,
+        figure: FigureFile,
     ) -> None:
         """Print a row for each structure under the spectrum of a file; the call has no
         motion.
@@ -113,8 +109,7 @@ class CodeRows:
             above=("motion", "demand_a"),
             varied=varied,
         )
-        if output is not None:
-            draw_capacity_curves(found, output, overwrite=overwrite, tell=note)
+        figure.draw(found)
         detail(*self.details)
         note(*self.lines)
 
@@ -123,37 +118,29 @@ class CodeRows:
         equation of motion describes.
         """
         require_geometry([structure for structure, _, _ in demands])
-        for structure, motion, grid in demands:
+        found = []
+        for one in code_verdicts(self.structures, demands, self.given):
+            assert one.demand is not None
+            structure, motion, grid = one.demand
+            self.checks[structure.name, motion.name] = one
             try:
                 governing_method(structure, dimensionless=grid.dimensionless).system_of(
                     structure
                 )
-                moves = True
+                found.append(one.demand)
             except UsageError as error:
-                moves = False
+                self.unmoved.append(one)
                 self.lines.append(f"no dynamics: {error}")
-            floors = self.floors.get(structure.name, ())
-            standing = replace(structure, building=floors)
-            check = code_check(standing, motion, grid, **self.given)
-            self.checks[structure.name, motion.name] = (
-                check,
-                (structure, motion, grid),
-                moves,
-            )
-        self._remark([check for check, _, _ in self.checks.values()])
-        return [demand for _, demand, moves in self.checks.values() if moves]
+        self._remark([one.check for one in self.checks.values()])
+        return found
 
     def columns(self, verdict: Verdict, searched: bool) -> dict[str, Any]:
         """Return the columns of the code for the row of a verdict; searched: search for
         theta_04_a too.
         """
-        check, demand, _ = self.checks[verdict.structure, verdict.motion]
+        one = self.checks[verdict.structure, verdict.motion]
         self.verdicts.setdefault(verdict.structure, []).append(verdict)
-        beyond = (
-            first_beyond(*demand, most=verdict.first_overturning_a)
-            if searched and verdict.slide is None
-            else None
-        )
+        beyond = one.beyond(verdict) if searched else None
         several = (
             f"{verdict.structure} under {verdict.motion}: "
             if len(self.checks) > 1
@@ -161,15 +148,14 @@ class CodeRows:
         )
         self.lines += [
             several + line
-            for line in check.promises(verdict.first_overturning_a, beyond)
+            for line in one.check.promises(verdict.first_overturning_a, beyond)
         ]
-        return check.row(beyond)
+        return one.check.row(beyond)
 
     def others(self) -> Iterator[dict[str, Any]]:
         """Yield a row for each body that no equation of motion describes."""
-        for check, (_, motion, _), moves in self.checks.values():
-            if not moves:
-                yield {**_head(check), "motion": motion.name, **check.row()}
+        for one in self.unmoved:
+            yield {**_head(one.check), "motion": one.motion, **one.check.row()}
 
     def said(self) -> list[str]:
         """Print what changes no decision, and return the other lines, under several
@@ -179,9 +165,7 @@ class CodeRows:
         detail(*self.details)
         found = []
         for name, verdicts in self.verdicts.items():
-            structure = next(
-                s for _, (s, _, _), _ in self.checks.values() if s.name == name
-            )
+            structure = next(s for s in self.structures if s.name == name)
             if (
                 len(verdicts) < 2
                 or self.given["floor"]
@@ -212,15 +196,6 @@ class CodeRows:
                 f" {states} met"
             )
         return [*self.lines, *found]
-
-    def draw(self, output: Path, overwrite: bool) -> None:
-        """Draw the capacity curve of every check."""
-        draw_capacity_curves(
-            [check for check, _, _ in self.checks.values()],
-            output,
-            overwrite=overwrite,
-            tell=note,
-        )
 
     def _remark(self, checks: Sequence[CodeCheck]) -> None:
         demands = list(dict.fromkeys(check.demand for check in checks))

@@ -43,7 +43,7 @@ def compare(
 
     figure.check()
     shaken = shaking.of(motions.one())
-    structures, _ = options.structures_of(files)
+    structures = options.structures_of(files)
     if shaken.grid is None or shaken.motion is None:
         raise ground.no_shaking("--A and --Omega")
     if eta is not None:
@@ -58,7 +58,7 @@ def compare(
     else:
         emit(comparison.comparison_rows(responses, methods))
     if figure.output is not None:
-        figure.draw(comparison.curve_rows(responses, methods))
+        figure.draw(list(comparison.curve_rows(responses, methods)))
     detail(*model.in_words(methods, structures, shaken.grid.dimensionless))
     note(
         *direction_in_words(*structures),

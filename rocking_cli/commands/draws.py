@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from .command import option, partly
+from . import options
+from .command import partly
 from .printing import note
 
 if TYPE_CHECKING:
@@ -21,14 +22,8 @@ if TYPE_CHECKING:
 class Draws:
     """The draws of a call."""
 
-    draws: int | None = option(
-        "--draws",
-        "Draw numbers with a spread, such as width: 0.5 m +- 10 mm, so many times.",
-        type=click.IntRange(2, 1 << 20),
-    )
-    seed: int = option(
-        "--seed", "Seed of the random numbers.", type=click.IntRange(0), default=0
-    )
+    draws: int | None = options.draws()
+    seed: int = options.seed()
 
     def rows(self, structures: Iterable[RockingParameters]) -> Iterator[dict[str, Any]]:
         """Yield a row for each quantity of each structure that has a spread: its mean,
@@ -47,9 +42,11 @@ class Draws:
                 yield {"name": structure.name, **row}
 
 
-def require_spreads(structures: Iterable[RockingParameters]) -> None:
-    """Raise click.UsageError if no structure has a number with a spread to draw."""
-    if not any(s.drawn_from for s in structures):
+def require_spreads(draws: int | None, structures: Iterable[RockingParameters]) -> None:
+    """Raise click.UsageError if there are draws, and no structure has a number with a
+    spread.
+    """
+    if draws is not None and not any(s.drawn_from for s in structures):
         raise click.UsageError(
             "--draws: no number of the structures has a spread, such as width: 0.5 m"
             " +- 10 mm"

@@ -12,7 +12,7 @@ import click
 from ..errors import counted
 from . import equations, ground, options
 from .command import command, flag, group, option, partly, refuse
-from .printing import detail, emit, note, printed
+from .printing import detail, note, printed
 from .progress import ProgressLine
 
 if TYPE_CHECKING:
@@ -93,11 +93,9 @@ def envelope(
     )
 
     figure.check()
-    drawn: list[dict[str, Any]] = []
     files, shaken = motions.several(files, one_upwards=True)
     if shaken.motion is None:
-        _of_records(files, wanted, sizeless, shaken, model, drawn)
-        figure.draw(drawn)
+        _of_records(files, wanted, sizeless, shaken, model, figure)
         return
     refuse("goes with records: give --motion", "alphas", "median")
     motion, axis = shaken.motion, frequency_axis(wanted.axes)
@@ -113,24 +111,13 @@ def envelope(
             for structure in structures
             for row in structure_curves(structure, motion, axis)
         )
-        emit(
-            options.kept(rows, drawn),
-            CURVE_COLUMNS,
-            unseen=NAMED,
-            varied=varied,
-        )
-        figure.draw(drawn)
+        figure.emit(rows, CURVE_COLUMNS, unseen=NAMED, varied=varied)
         return
     methods = model.methods(structures, axis.name == "Omega")
     tracings = _tracings(structures, motion, axis, methods, wanted)
     rows = (row for tracing in tracings for row in tracing.trace(wanted))
-    emit(
-        options.kept(rows, drawn),
-        INTERVAL_COLUMNS,
-        unseen=NAMED[: 1 if len(methods) > 1 else 2],
-        varied=varied,
-    )
-    figure.draw(drawn)
+    unseen = NAMED[: 1 if len(methods) > 1 else 2]
+    figure.emit(rows, INTERVAL_COLUMNS, unseen=unseen, varied=varied)
     from ..reports.remarks import stuck_in_words
 
     detail(*model.in_words(methods, structures, axis.name == "Omega"))
@@ -243,10 +230,10 @@ def _of_records(
     sizeless: equations.Sizeless,
     shaken: ground.Ground,
     model: equations.Equations,
-    drawn: list[dict[str, Any]],
+    figure: options.FigureFile,
 ) -> None:
     """Print the intervals of scale of each record that overturn a structure, or with
-    --median their quantiles; drawn: gets the rows.
+    --median their quantiles.
     """
     from ..envelopes.capacity import RATIO
     from ..envelopes.intervals import NAMED, NONE
@@ -284,18 +271,13 @@ def _of_records(
             yield row
 
     if wanted.median:
-        quantiles = overturning_spectrum(scene, rows())
-        emit(options.kept(quantiles, drawn))
+        figure.emit(overturning_spectrum(scene, rows()))
     else:
         angles = scene.over_angles
         places = ("record", "alpha", "T") if angles else ("record", "structure")
         ends = ("A_from",) if tracing.first else ("A_from", "A_to")
-        emit(
-            options.kept(rows(), drawn),
-            (*places, *ends, "mode", "model"),
-            unseen=NAMED,
-            varied=varied,
-        )
+        columns = (*places, *ends, "mode", "model")
+        figure.emit(rows(), columns, unseen=NAMED, varied=varied)
     detail(model_in_words(scene.method, *structures, model=model.models[0]))
     lines = stuck_in_words(structures)
     if modes[NONE]:

@@ -136,9 +136,9 @@ def _requested(
     from ..motions.intensity_measures import measure_of
     from ..spectra.sweep_options import SweepOptions
 
-    structures, texts = options.structures_of(files, each=True)
+    structures = options.structures_of(files, each=True)
+    require_spreads(wanted.draws, structures)
     if wanted.draws is not None:
-        require_spreads(structures)
         refuse("does not go with --draws", "exact", "cells", "efficiency")
         if wanted.figure is None:
             refuse("does not go with --draws", "output")
@@ -163,7 +163,7 @@ def _requested(
         _check_export(wanted, states, methods, measure, shaken, sweep)
     else:
         _check_output(wanted, shaken, sweep)
-    settings = SweepOptions(history=options.command_line(), **sweep.writing(texts))
+    settings = SweepOptions(history=options.command_line(), **sweep.writing(structures))
     exact = wanted.exact or (
         hazard is not None and None in states and wanted.by is None
     )
@@ -282,7 +282,7 @@ def _fit_and_print(
     """
     from ..fragility.study import fitted
     from ..reports.remarks import direction_in_words
-    from .fragility_rows import draw_fits, emit_fits
+    from .fragility_rows import curves_of, emit_fits
 
     fits, refused = fitted(found, request.states, request.methods)
     if not fits and not (request.exact and (wanted.curve or request.hazard)):
@@ -306,7 +306,7 @@ def _fit_and_print(
     traced = found if request.exact else []
     emit_fits(fits, traced, wanted)
     if wanted.figure is not None:
-        draw_fits(fits, traced, wanted.figure, overwrite)
+        options.FigureFile(wanted.figure, overwrite).draw(curves_of(fits, traced))
     if request.hazard is not None:
         remarks += _remarks_on_rates(fits, traced, request.hazard)
     return refused, remarks

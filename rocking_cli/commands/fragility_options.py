@@ -107,17 +107,8 @@ class FragilityOptions:
         type=click.IntRange(0, 100_000),
         default=1000,
     )
-    draws: int | None = option(
-        "--draws",
-        "Draw numbers with a spread, such as width: 0.5 m +- 10 mm, so many times.",
-        type=click.IntRange(2, 1 << 20),
-    )
-    seed: int = option(
-        "--seed",
-        "Seed of the random numbers.",
-        type=click.IntRange(0),
-        default=0,
-    )
+    draws: int | None = options.draws()
+    seed: int = options.seed()
     output: Path | None = options.output(
         "The curves as a figure (.png, .svg, .pdf), the HDF5 file of all cells"
         " (records), or the file of --export."

@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from . import options
 from .fragility_options import FragilityOptions
 from .printing import emit, form, units_of, units_shown
 
@@ -44,7 +42,7 @@ def emit_fits(
     columns: tuple[str, ...]
     measure = fits[0].im if fits else exact[0].motions.measure.name
     if wanted.curve:
-        rows = _curves(fits, exact)
+        rows = curves_of(fits, exact)
         columns = CURVE_COLUMNS
         of_hazard: tuple[str, ...] = HAZARD_COLUMNS
     else:
@@ -66,17 +64,10 @@ def emit_fits(
     )
 
 
-def _curves(fits: Sequence[Fit], exact: Sequence[Study]) -> list[dict[str, Any]]:
+def curves_of(fits: Sequence[Fit], exact: Sequence[Study]) -> list[dict[str, Any]]:
     """Return the points of the curves, and the exact shares."""
     rows = [row for fit in fits for row in fit.points_of_curve()]
     return rows + [row for study in exact for row in study.exact_rows()]
-
-
-def draw_fits(
-    fits: Sequence[Fit], exact: Sequence[Study], output: Path, overwrite: bool
-) -> None:
-    """Draw the curves, as `rocking plot` draws their CSV."""
-    options.draw_figure(_curves(fits, exact), output, overwrite)
 
 
 def _add_rejected(rows: list[dict[str, Any]], standing: float | None) -> None:

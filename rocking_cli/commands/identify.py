@@ -117,7 +117,13 @@ def identify(
     elif lines:
         put("", *lines)
     if figure.output is not None:
-        from ..reports.figures.free_rocking import draw_identified
+        from ..errors import UsageError
+        from ..reports.figures.free_rocking import fits
+        from ..reports.units import Units
 
-        draw_identified(found, figure.output, units_of(), figure.overwrite, tell=note)
+        drawn = [one for one in found if one.course is not None]
+        if not drawn:
+            raise UsageError(f"{figure.output}: times of impacts alone give no figure")
+        with figure.canvas() as canvas:
+            fits(canvas, drawn, units_of() or Units())
     note(*(line for one in found for line in one.remarks))

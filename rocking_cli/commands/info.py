@@ -11,6 +11,10 @@ if TYPE_CHECKING:
     from ..spectra.file.reader import SpectraFile
 
 _MOST_NAMES = 12
+_STATED = (
+    *("run_time", "check_time"),
+    *("error_bound", "error_bound_median", "cells_above_ten_medians"),
+)
 
 
 @command(
@@ -80,11 +84,7 @@ def _contents(path: str, file: "SpectraFile") -> dict[str, Any]:
         **axes,
         "chunks": f"{int(file.done.sum())} of {file.done.size}",
         "complete": "yes" if file.complete else "no",
-        "run_time": attributes.get("run_time"),
-        "check_time": attributes.get("check_time"),
-        "error_bound": attributes.get("error_bound"),
-        "error_bound_median": attributes.get("error_bound_median"),
-        "cells_above_ten_medians": attributes.get("cells_above_ten_medians"),
+        **{key: attributes.get(key) for key in _STATED},
         "largest_difference": (
             attributes.get("largest_difference") if checked else None
         ),

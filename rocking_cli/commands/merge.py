@@ -3,6 +3,7 @@
 from pathlib import Path
 
 from . import options
+from .check_remarks import listed
 from .command import argument, command, partly
 from .parameter_types import InputPath
 from .printing import note, quiet
@@ -41,10 +42,6 @@ def merge(
             " digits of cells may differ"
         )
     if merged.missing:
-        shown = ", ".join(merged.missing[:MOST]) + (
-            f" and {len(merged.missing) - MOST} more"
-            if len(merged.missing) > MOST
-            else ""
-        )
+        shown = listed(list(merged.missing), MOST)
         note(f"missing or not complete: shard {shown}", even_quiet=True)
     partly(merged.chunks < merged.all_chunks)

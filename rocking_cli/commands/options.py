@@ -10,7 +10,7 @@ import re
 import shlex
 import sys
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
-from contextlib import suppress
+from contextlib import AbstractContextManager, suppress
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -28,13 +28,14 @@ from .parameter_types import (
     limit,
     quantity,
 )
-from .printing import AnyRow, detail, form, keep_labels, note, units_of
+from .printing import detail, emit, form, keep_labels, note, units_of
 from .streams import printable
 
 if TYPE_CHECKING:
     from ..motions.grid import Grid
     from ..motions.recording import Recording
-    from ..reports.figures.canvas import Look
+    from ..reports.figures.canvas import Figure, Look
+    from ..reports.units import Units
     from ..structures import RockingParameters
     from ..structures.family import Member
 
@@ -90,6 +91,25 @@ inset_effect = partial(
     flag,
     "--inset-effect",
     "Print what pivots 5 % of the width inside the edges would take of the capacity.",
+)
+over = partial(
+    option,
+    "--over",
+    "The axis of a family (default: the first key varied).",
+    metavar="KEY[/KEY]",
+)
+draws = partial(
+    option,
+    "--draws",
+    "Draw numbers with a spread, such as width: 0.5 m +- 10 mm, so many times.",
+    type=click.IntRange(2, 1 << 20),
+)
+seed = partial(
+    option,
+    "--seed",
+    "Seed of the random numbers.",
+    type=click.IntRange(0),
+    default=0,
 )
 skip_faulty = partial(
     flag,
@@ -151,27 +171,41 @@ class FigureFile:
         else:
             check_target(self.output, self.overwrite)
 
-    def draw(self, rows: Iterable[Mapping[str, Any]], over: str | None = None) -> None:
-        """Draw rows in SI, if the call has an output; over: the abscissa of a family.
-        Raises UsageError.
+    def draw(
+        self, source: Any, over: str | None = None, units: Units | None = None
+    ) -> None:
+        """Draw what `draw` takes, such as rows in SI, if the call has an output; over:
+        the abscissa of a family; units: None for those of --units. Raises UsageError.
         """
         if self.output is not None:
-            draw_figure(rows, self.output, self.overwrite, over)
+            from ..reports.drawing_files import draw
+
+            draw(
+                source,
+                self.output,
+                over=over,
+                units=units or units_of(),
+                overwrite=self.overwrite,
+                tell=note,
+            )
+
+    def emit(
+        self, rows: Iterable[Mapping[str, Any]], columns: Sequence[str] = (), **how: Any
+    ) -> None:
+        """Print rows as `emit` does, and draw them."""
+        drawn: list[Mapping[str, Any]] = []
+        emit(_kept(rows, drawn), columns, **how)
+        self.draw(drawn)
+
+    def canvas(self) -> AbstractContextManager[Figure]:
+        """Return the context of the figure, for what no other command draws."""
+        from ..reports.figures.canvas import canvas
+
+        assert self.output is not None
+        return canvas(self.output, self.overwrite, tell=note)
 
 
-def draw_figure(
-    rows: Iterable[Mapping[str, Any]],
-    output: Path,
-    overwrite: bool,
-    over: str | None = None,
-) -> None:
-    """Draw rows in SI as `rocking plot` draws their CSV. Raises UsageError."""
-    from ..reports.drawing_files import draw_rows
-
-    draw_rows(rows, output, over=over, units=units_of(), overwrite=overwrite, tell=note)
-
-
-def kept(rows: Iterable[AnyRow], into: list[Any]) -> Iterator[AnyRow]:
+def _kept(rows: Iterable[T], into: list[T]) -> Iterator[T]:
     """Yield rows and keep them in a list."""
     for row in rows:
         into.append(row)
@@ -198,9 +232,9 @@ class Sweep:
         metavar="ADDRESS",
     )
 
-    def writing(self, documents: str) -> dict[str, Any]:
-        """Return the arguments of `write_scene`; documents: the texts of the
-        structures. Raises click.UsageError for a wrong --shard.
+    def writing(self, structures: Iterable[RockingParameters]) -> dict[str, Any]:
+        """Return the arguments of `write_scene`; structures: those whose documents the
+        file holds. Raises click.UsageError for a wrong --shard.
         """
         from ..documents.quantities import parse_whole
 
@@ -213,7 +247,8 @@ class Sweep:
                     " such as 2/8"
                 )
             shard = part, count
-        return {**vars(self), "shard": shard, "documents": documents, "tell": note}
+        texts = "\n---\n".join(s.document.text for s in structures if s.document)
+        return {**vars(self), "shard": shard, "documents": texts, "tell": note}
 
 
 def structures_of(
@@ -221,35 +256,39 @@ def structures_of(
     etas: tuple[float | None, ...] = (),
     each: bool = False,
     with_documents: int | None = None,
-) -> tuple[list[RockingParameters], str]:
-    """Return (structures, texts): those of the documents in these files, and a
-    dimensionless oscillator for each restitution; each: a stack is a structure for each
-    of its interfaces, see `on_each_interface`; with_documents: number of structures
-    that keep their documents, None for all; to save memory the others keep one only if
-    it has a spread, and there are no texts.
+) -> list[RockingParameters]:
+    """Return the structures of the documents in these files, and a dimensionless
+    oscillator for each restitution; each: a stack is a structure for each of its
+    interfaces, see `on_each_interface`; with_documents: number of structures that keep
+    their documents, None for all; to save memory the others keep one only if it has a
+    spread.
     """
-    from ..structures import build_structure, with_distinct_names
+    from ..structures import build_structure
     from ..structures.parameters import dimensionless_oscillator
 
-    texts: list[str] = []
-    kept = itertools.count()
+    numbers = itertools.count()
 
     def structure_of(document: Any) -> RockingParameters:
         built = build_structure(document)
-        if with_documents is None:
-            texts.append(document.text)
-        elif next(kept) >= with_documents and built.drawn_from is None:
-            return replace(built, document=None)
-        return built
+        held = with_documents is None or next(numbers) < with_documents
+        return built if held or built.drawn_from else replace(built, document=None)
 
     documents = iter([]) if etas and not files else each_document(files)
     structures = list(sound(structure_of, _on_each(documents) if each else documents))
     if None in etas:
         raise click.UsageError("--eta block goes with --alpha")
     oscillators = [dimensionless_oscillator(eta=eta) for eta in etas if eta is not None]
-    found = list(introduced(with_distinct_names([*structures, *oscillators])))
-    note_interfaces(found)
-    return found, "\n---\n".join(texts)
+    return _told([*structures, *oscillators])
+
+
+def _told(structures: Iterable[RockingParameters]) -> list[RockingParameters]:
+    """Return structures with distinct names, and print what is to be said of them."""
+    from ..structures import with_distinct_names
+
+    found = list(introduced(with_distinct_names(structures)))
+    if names := [s.name for s in found if "interfaces" in s.details]:
+        note(f"followed on one interface, as if no other opened: {', '.join(names)}")
+    return found
 
 
 def members_of(
@@ -263,9 +302,8 @@ def members_of(
     each: see `structures_of`. Members without a solution are reported and left out.
     """
     if not vary:
-        return structures_of(files, etas, each, with_documents=0)[0], {}
+        return structures_of(files, etas, each, with_documents=0), {}
     from ..documents.quantities import headed
-    from ..structures import with_distinct_names
     from ..structures.family import family, members, parse_variation
     from ..structures.parameters import VARIED
 
@@ -278,11 +316,10 @@ def members_of(
         for document in documents
         for member in family(document, variations, each)
     ]
-    found = list(
-        with_distinct_names(
-            member.parameters for member in every if member.parameters is not None
-        )
-    )
+    for member in every:
+        if member.parameters is None:
+            note_no_solution(member)
+    found = _told(one.parameters for one in every if one.parameters is not None)
     columns = {}
     for structure in found:
         values, units = (structure.details[key] for key in VARIED)
@@ -290,11 +327,6 @@ def members_of(
             headed(f"varied_{k}", "" if form() == "json" else units[k]): value
             for k, value in values.items()
         }
-    for member in every:
-        if member.parameters is None:
-            note_no_solution(member)
-    found = list(introduced(found))
-    note_interfaces(found)
     return found, columns
 
 
@@ -317,17 +349,17 @@ def note_no_solution(member: Member) -> None:
 
 
 def documents_of(
-    files: tuple[str, ...], most: int | None = None, place: str = "", each: bool = False
+    files: tuple[str, ...], most: int | None = None, place: str = ""
 ) -> list[Any]:
-    """Return the structure documents of the files; each: see `structures_of`. Raises
-    click.UsageError for more than `most`; place: what limits them, in words.
+    """Return the structure documents of the files. Raises click.UsageError for more
+    than `most`; place: what limits them, in words.
     """
     found = list(each_document(files))
     if most is not None and len(found) > most:
         raise click.UsageError(
             f"found {len(found)} structures; expected at most {most} for {place}"
         )
-    return list(_on_each(found)) if each else found
+    return found
 
 
 def _on_each(documents: Iterable[Any]) -> Iterator[Any]:
@@ -432,14 +464,6 @@ def note_spreads(keys: Collection[str]) -> None:
     note(f"means are taken of numbers with a spread: {', '.join(keys)}{more}")
 
 
-def note_interfaces(structures: Iterable[RockingParameters]) -> None:
-    """Print a line on the stacks: each is followed on one interface, although another
-    one may overturn first.
-    """
-    if names := [s.name for s in structures if "interfaces" in s.details]:
-        note(f"followed on one interface, as if no other opened: {', '.join(names)}")
-
-
 def remark_on(grid: Grid | None = None, spans: str = "") -> None:
     """Print remarks on amplitudes and spans that are probably wrong."""
     from ..reports.plausibility import bare_remarks, grid_remarks, span_remarks
@@ -458,7 +482,6 @@ def check_target(
     output: Path,
     overwrite: bool,
     suffixes: tuple[str, ...] = FIGURES,
-    recordings: Sequence[Recording] = (),
     packages: tuple[str, ...] = (),
     instead: str = "",
 ) -> None:
@@ -477,7 +500,7 @@ def check_target(
             f" or the rows by --csv > {output.with_suffix('.csv')}"
         )
     check(output, overwrite, suffixes)
-    refuse_own_input(output, recordings)
+    refuse_own_input(output)
     require(*(packages or DRAWN_WITH), instead=instead)
 
 

@@ -50,11 +50,7 @@ def params(
         "--details",
         "In a table all columns, and rows for sides, interfaces, hinges and ties.",
     ),
-    over: str | None = option(
-        "--over",
-        "The axis of a family (default: the first key varied).",
-        metavar="KEY[/KEY]",
-    ),
+    over: str | None = options.over(),
     sort: str | None = option(
         "--sort", "Print the rows in the order of a column.", metavar="COLUMN"
     ),
@@ -82,8 +78,8 @@ def params(
         refuse("goes with -o FIGURE", "over")
     if drawn.draws:
         refuse("does not go with --draws", "vary", "linear_uplift")
-        structures, _ = options.structures_of(files)
-        require_spreads(structures)
+        structures = options.structures_of(files)
+        require_spreads(drawn.draws, structures)
         emit(list(drawn.rows(structures)))
         return
     variations = [parse_variation(text) for text in vary]

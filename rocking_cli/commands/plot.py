@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -13,10 +12,6 @@ from . import options, streams
 from .command import argument, command, flag, group, option, refuse, refuse_together
 from .parameter_types import InputPath, NameInFile, OutputPath
 from .printing import note, quiet, units, units_of
-
-if TYPE_CHECKING:
-    from ..documents.document import Document
-    from ..reports.figures.canvas import Look
 
 
 @dataclass(frozen=True)
@@ -38,11 +33,7 @@ class PlotOptions:
         "Draw a slice at this value, such as f_g=1.5, instead of a map.",
         metavar="AXIS=VALUE",
     )
-    over: str | None = option(
-        "--over",
-        "The axis of a family (default: the first key varied).",
-        metavar="KEY[/KEY]",
-    )
+    over: str | None = options.over()
     log: str | None = option(
         "--log", "Logarithmic axes.", type=click.Choice(["x", "y", "xy"])
     )
@@ -127,7 +118,27 @@ def plot(
             rows, wanted.animate, document, look=look, overwrite=overwrite, tell=note
         )
     if wanted.output is not None:
-        remark = _draw(paths, wanted.output, wanted, document, look, overwrite)
+        from ..reports.drawing_files import draw
+
+        remark = draw(
+            paths,
+            wanted.output,
+            structure=wanted.structure,
+            cut=wanted.cut,
+            every=wanted.every,
+            over=wanted.over,
+            log=wanted.log or "",
+            xlim=_ends("--xlim", wanted.xlim),
+            ylim=_ends("--ylim", wanted.ylim),
+            units=units_of(),
+            look=look,
+            portrait=wanted.phase,
+            body=document,
+            align=wanted.align,
+            data=wanted.data,
+            overwrite=overwrite,
+            tell=note,
+        )
         if isinstance(remark, str):
             note(remark)
 
@@ -198,41 +209,3 @@ def _check_targets(file: Path, wanted: PlotOptions, overwrite: bool) -> None:
         from ..reports.figures.animation import FORMATS
 
         options.check_target(wanted.animate, overwrite, FORMATS)
-
-
-def _draw(
-    files: tuple[Path, ...],
-    output: Path,
-    wanted: PlotOptions,
-    document: Document | None,
-    look: Look,
-    overwrite: bool,
-) -> Any:
-    """Draw the figure and return what `draw` says of it; document: of the body."""
-    from ..reports.drawing_files import draw
-
-    of_spectra: dict[str, Any] = {
-        "structure": wanted.structure,
-        "cut": wanted.cut,
-        "every": wanted.every,
-    }
-    of_rows: dict[str, Any] = {
-        "over": wanted.over,
-        "portrait": wanted.phase,
-        "body": document,
-        "align": wanted.align,
-        "data": wanted.data,
-    }
-    return draw(
-        files,
-        output,
-        log=wanted.log or "",
-        xlim=_ends("--xlim", wanted.xlim),
-        ylim=_ends("--ylim", wanted.ylim),
-        units=units_of(),
-        look=look,
-        overwrite=overwrite,
-        tell=note,
-        **of_spectra,
-        **of_rows,
-    )

@@ -47,7 +47,7 @@ def predict(
     from ..spectra.prediction import check_linear, predict_exactly
     from ..spectra.prediction import predict as read_off
 
-    structures, _ = options.structures_of(files, each=True)
+    structures = options.structures_of(files, each=True)
     with SpectraFile(spectrum) as file:
         check_linear(file)
         motion = file.motion()

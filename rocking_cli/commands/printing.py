@@ -9,7 +9,7 @@ import re
 import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -20,8 +20,6 @@ if TYPE_CHECKING:
     from ..reports.conditions import Condition
     from ..reports.units import Units
     from ..structures import RockingParameters
-
-AnyRow = TypeVar("AnyRow", bound=Mapping[str, Any])
 
 
 def _keep(context: click.Context, parameter: click.Parameter, value: Any) -> None:

@@ -12,7 +12,7 @@ import click
 from . import ground, options
 from .command import command, flag, group, option, refuse
 from .parameter_types import NUMBER
-from .printing import emit, note, printed, units_of
+from .printing import emit, note, printed
 
 if TYPE_CHECKING:
     from ..motions.intensity_measures import Measure
@@ -141,18 +141,11 @@ def records(
     if wanted.record is not None:
         _write(wanted.record, taken_records, wanted.overwrite)
     if wanted.export_spectrum:
-        emit(taken, SPECTRUM_COLUMNS)
-        figure.draw(taken)
+        figure.emit(taken, SPECTRUM_COLUMNS)
     else:
         dimensions = {x.name: dimension_of_measure(x.name) for x in _further_measures()}
         emit(taken, COLUMNS, dimensions=dimensions)
-        if figure.output is not None:
-            from ..reports.drawing_files import draw_records
-
-            units = units_of()
-            draw_records(
-                taken_records, figure.output, units, figure.overwrite, tell=note
-            )
+        figure.draw(taken_records)
     note(*dict.fromkeys(notes))
     for line in unread:
         ground.leave_out(line)

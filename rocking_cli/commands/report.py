@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from functools import cache, partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -16,9 +15,7 @@ from .printing import note, quiet
 from .progress import ProgressLine
 
 if TYPE_CHECKING:
-    from ..dynamics.outcome import Outcome
     from ..envelopes.amplitudes import Limit
-    from ..reports.page_of_many import Labels
     from ..reports.page_parts import Asked
     from ..responses.verdict import Verdict
     from .check_demands import Demands, Members
@@ -88,62 +85,99 @@ def report(
     jinja2 matplotlib.
     """
     from ..dynamics.outcome import Outcome
-    from ..reports.page_of_many import beside_of, labels_of
-    from ..reports.page_parts import WRITTEN_WITH
-    from ..reports.wording import opposite_in_words, tally
+    from ..reports.page_of_many import write_page_of_many
+    from ..reports.page_parts import WRITTEN_WITH, labels_of
+    from ..reports.wording import tally
+    from ..responses.check import verdicts
     from ..structures.mechanics.capacity_curve import require_geometry
-    from .check_demands import at_worst, demands_on, opposite_outcomes
+    from .check_demands import at_worst, demands_on
     from .check_remarks import worst_at_an_end
 
     options.check_target(wanted.output, overwrite, PAGES, packages=WRITTEN_WITH)
-    by_code = of_code.rows(verdict_only=False)
     files, motions = asked.several(files)
 
     def members() -> Members:
-        return options.structures_of(files, each=True, with_documents=MOST)[0], {}
+        return options.structures_of(files, each=True, with_documents=MOST), {}
 
     stated = demands_on(members, asked, motions, sign)
-    if many := len(stated.structures) > MOST:
-        refuse(
-            f"goes with up to {MOST} structures: of more the page is a summary",
-            *("draws", "code", "summary", "inset_effect"),
-        )
-        beside = beside_of(wanted.output)
-        options.check_target(beside, overwrite, (beside.suffix,), packages=WRITTEN_WITH)
-        labels = labels_of(stated.structures, wanted.by)
-    else:
-        refuse(f"goes with more than {MOST} structures", "by")
-    alone = by_code is not None and bool(by_code.files) and not stated.shakes
-    if alone:
-        refuse(
-            "needs a motion: under --spectrum alone nothing is shaken",
-            "draws",
-            "sort",
-            "inset_effect",
-        )
-    else:
-        stated.needed(by_code is not None)
-    options.refuse_own_input(wanted.output, stated.shaken.recordings)
-    if drawn.draws is not None:
-        require_spreads(stated.structures)
+    many = len(stated.structures) > MOST
+    _refuse_contradictions(stated, wanted, overwrite)
+    labels = labels_of(stated.structures, wanted.by)
+    require_spreads(drawn.draws, stated.structures)
+    by_code = of_code.rows(stated)
+    shaken = stated.are_shaken(by_code)
     if by_code is not None:
-        by_code.stand_on(asked.carrier, stated.structures)
         require_geometry(stated.structures)
     demands = at_worst(stated, _limit(), workers)
-    opposite = cache(lambda: opposite_outcomes(demands))
-    said = _asked(demands, wanted, by_code, drawn)
-    inputs = [*files, asked.vertical or ""]
-    write = partial(_write_many, inputs, labels) if many else _write_sections
-    verdicts = write(demands, wanted, said, opposite, workers, overwrite)
-    if alone:
+    found = list(
+        verdicts(
+            demands.rows,
+            ranges=demands.ranges,
+            a_max=_limit(),
+            workers=workers,
+            progress=ProgressLine("report", "checks"),
+            forces=not many or len(demands.rows) < LONG_TABLE,
+        )
+    )
+    inputs = [*(files if many else ()), asked.vertical or ""]
+    said = _asked(demands, wanted, by_code, drawn, found, inputs)
+    if many:
+        write_page_of_many(found, labels, wanted.output, said, wanted.by, overwrite)
+    else:
+        _write_sections(demands, found, said, wanted.output, workers, overwrite)
+    if shaken:
+        demand.note_demand(demands.shakes)
+        demand.note_governing(demands.structures, demands.shakes[0][1].dimensionless)
+        note(f"{wanted.output}: {tally(found)}", *filter(None, [said.opposite]))
+        note(*worst_at_an_end(demands, found))
+        partly(any(v.outcome == Outcome.FAILED for v in found))
+
+
+def _refuse_contradictions(
+    stated: Demands, wanted: ReportOptions, overwrite: bool
+) -> None:
+    """Raise UsageError for options of the other page, and for an output that cannot or
+    must not be written.
+    """
+    from ..reports.page_of_many import beside_of
+    from ..reports.page_parts import WRITTEN_WITH
+
+    options.refuse_own_input(wanted.output, stated.shaken.recordings)
+    if len(stated.structures) <= MOST:
+        refuse(f"goes with more than {MOST} structures", "by")
         return
-    demand.note_demand(demands.shakes)
-    demand.note_governing(demands.structures, demands.shakes[0][1].dimensionless)
-    note(f"{wanted.output}: {tally(verdicts)}")
-    if turned := opposite():
-        note(opposite_in_words(turned))
-    note(*worst_at_an_end(demands, verdicts))
-    partly(any(v.outcome == Outcome.FAILED for v in verdicts))
+    refuse(
+        f"goes with up to {MOST} structures: of more the page is a summary",
+        *("draws", "code", "summary", "inset_effect"),
+    )
+    beside = beside_of(wanted.output)
+    options.check_target(beside, overwrite, (beside.suffix,), packages=WRITTEN_WITH)
+
+
+def _write_sections(
+    demands: Demands,
+    found: Sequence[Verdict],
+    said: Asked,
+    target: Path,
+    workers: int | None,
+    overwrite: bool,
+) -> None:
+    """Write the page with a section for each structure, and print the verdicts of the
+    code.
+    """
+    from ..reports.page import page
+    from ..reports.page_parts import write
+    from ..reports.wording import NOT_KNOWN, verified_in_words
+    from ..responses.code_verdict import code_verdicts
+
+    structures, rows, code = demands.structures, demands.rows, said.code
+    checks = [] if code is None else list(code_verdicts(structures, rows, code))
+    lines = verified_in_words([one.check for one in checks])
+    note(*lines)
+    # a limit state without an answer is a part of the work without a result
+    partly(any(NOT_KNOWN in line for line in lines))
+    text = page(structures, found, said, checks=checks, demands=rows, workers=workers)
+    write(target, text, overwrite)
 
 
 def _limit() -> Limit:
@@ -154,96 +188,23 @@ def _limit() -> Limit:
     return Limit(A_MAX)
 
 
-def _write_sections(
-    demands: Demands,
-    wanted: ReportOptions,
-    said: Asked,
-    opposite: Callable[[], list[tuple[str, Outcome]]],
-    workers: int | None,
-    overwrite: bool,
-) -> list[Verdict]:
-    """Write the page with a section for each structure, and return the verdicts."""
-    from ..reports.page import write_page
-    from ..reports.page_sections import Subject
-
-    return write_page(
-        [Subject(s.document, s) for s in demands.structures if s.document],
-        demands.rows,
-        wanted.output,
-        said,
-        demand=_in_words(demands, wanted.summary) if demands.shakes else "",
-        ranges=demands.ranges,
-        opposite=opposite,
-        remarks=lambda found: _remarks(found, demands, wanted),
-        recordings=demands.shaken.recordings,
-        vertical=demands.asked.vertical,
-        overwrite=overwrite,
-        workers=workers,
-        progress=ProgressLine("report", "checks"),
-        tell=_tell,
-    )
-
-
-def _write_many(
-    inputs: list[str],
-    labels: Labels,
-    demands: Demands,
-    wanted: ReportOptions,
-    said: Asked,
-    opposite: Callable[[], list[tuple[str, Outcome]]],
-    workers: int | None,
-    overwrite: bool,
-) -> list[Verdict]:
-    """Write the page on many structures, and return the verdicts; inputs: the files of
-    the structures and of a vertical motion.
-    """
-    from ..reports.page_of_many import write_page_of_many
-    from ..reports.page_parts import hashes
-    from ..reports.wording import opposite_in_words
-    from ..responses.check import verdicts
-
-    found = list(
-        verdicts(
-            demands.rows,
-            ranges=demands.ranges,
-            a_max=_limit(),
-            workers=workers,
-            progress=ProgressLine("report", "checks"),
-            forces=len(demands.rows) < LONG_TABLE,
-        )
-    )
-    turned = opposite()
-    write_page_of_many(
-        found,
-        labels,
-        wanted.output,
-        said,
-        demand=_in_words(demands, summary=False),
-        remarks=list(_remarks(found, demands, wanted)),
-        by=wanted.by,
-        overwrite=overwrite,
-        opposite=opposite_in_words(turned) if turned else "",
-        hashes=hashes([], demands.shaken.recordings, inputs),
-    )
-    return found
-
-
-def _tell(line: str) -> None:
-    """Print a line on the verdict of the code; a limit state without an answer is a
-    part of the work without a result.
-    """
-    from ..reports.wording import NOT_KNOWN
-
-    note(line)
-    partly(NOT_KNOWN in line)
-
-
 def _asked(
-    demands: Demands, wanted: ReportOptions, by_code: CodeRows | None, drawn: Draws
+    demands: Demands,
+    wanted: ReportOptions,
+    by_code: CodeRows | None,
+    drawn: Draws,
+    found: Sequence[Verdict],
+    inputs: Sequence[str],
 ) -> Asked:
-    """Return what the page says of its making, and what it holds."""
+    """Return what the page says of its making, and what it holds besides the verdicts;
+    inputs: files that were read.
+    """
     from ..reports.page_parts import Asked
+    from ..reports.wording import opposite_in_words
+    from .check_demands import opposite_outcomes
 
+    outcomes = opposite_outcomes(demands)
+    spectra = () if by_code is None else by_code.files.values()
     return Asked(
         options.command_line(),
         options.now(),
@@ -256,7 +217,11 @@ def _asked(
         fragility=demands.azimuths is None,
         ends=tuple(g for _, g in demands.shakes) if demands.up_to is not None else (),
         code=None if by_code is None else by_code.given,
-        spectra=() if by_code is None else tuple(by_code.files.values()),
+        demand=_in_words(demands, wanted.summary) if demands.shakes else "",
+        opposite=opposite_in_words(outcomes) if outcomes else "",
+        remarks=list(_remarks(found, demands, wanted)),
+        recordings=demands.shaken.recordings,
+        inputs=[*inputs, *spectra],
     )
 
 

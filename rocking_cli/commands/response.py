@@ -98,7 +98,7 @@ def response(
 
     figure.check()
     shaken = _shaken(asked)
-    structures, _ = options.structures_of((file,))
+    structures = options.structures_of((file,))
     if len(structures) != 1:
         raise UsageError(
             f"{file} holds {len(structures)} structures; expected one (rocking compare"
@@ -131,7 +131,7 @@ def response(
     _print(found, wanted)
     shown = {"dimensionless": wanted.dimensionless, "forces": wanted.forces}
     if figure.output is not None:
-        figure.draw(found.rows(dt=wanted.dt, steps=wanted.steps, **shown))
+        figure.draw(list(found.rows(dt=wanted.dt, steps=wanted.steps, **shown)))
     if shaken.grid is not None:
         demand.note_demand(shaken.shakes)
     detail(*model.in_words(methods, structures, bare))

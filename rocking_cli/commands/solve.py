@@ -81,6 +81,7 @@ def solve(
         )
     ends = [end.of(motions) for end in asked.ends()]
     shaken = ends[0] if ends else asked.of(motions)
+    up_to = ends[1].shakes if ends else []
     documents = options.documents_of(files)
     list(options.introduced(options.built_if_whole(documents)))
     shakes = (shaken.reversed if sign == "-" else shaken).needed()
@@ -100,7 +101,7 @@ def solve(
                 margin=wanted.margin,
                 share=wanted.share,
                 opposite=shaken.reversed.shakes if sign == "both" else [],
-                up_to=ends[1].shakes[0][1] if ends else None,
+                up_to=up_to[0][1] if up_to else None,
                 workers=workers,
                 progress=ProgressLine("solve", "values"),
                 scanned_at=None if figure.output is None else _append_to(scan),
@@ -114,21 +115,15 @@ def solve(
 
     emit(rows(), COLUMNS)
     if figure.output is not None:
-        from ..reports.figures.boundaries import draw_scans
+        from ..reports.figures.boundaries import capacities_over
         from ..reports.wording import demand_plainly
 
-        up_to = ends[1].shakes if ends else []
         title = demand_plainly([*shakes, *up_to], asked.vertical)
-        draw_scans(
-            scans,
-            [x for one in edges for x in one.shown.values() if x is not None],
-            (next(iter(edges[0].shown)) if edges else varied.key, title),
-            wanted.margin,
-            figure.output,
-            figure.overwrite,
-            tell=note,
-        )
-    demand.note_demand([*shakes, *(ends[1].shakes if ends else [])])
+        at = [x for one in edges for x in one.shown.values() if x is not None]
+        key = next(iter(edges[0].shown)) if edges else varied.key
+        with figure.canvas() as drawn:
+            capacities_over(drawn, scans, at, (key, title), wanted.margin)
+    demand.note_demand([*shakes, *up_to])
     note(*remarks)
     detail(
         f"the scan has {len(varied.values)} values; two boundaries between neighbours"

@@ -109,10 +109,10 @@ def spectrum(
     # with --model both the file holds the nonlinear equation and what differs from it
     quantities = wanted.quantities(model)
     model = replace(model, model=model.models[-1])
-    structures, texts = (
+    structures = (
         options.structures_of(files, sizeless.etas, each=True)
         if files or grid is not None
-        else ([], "")
+        else []
     )
     structures = model.lifting(structures)
     scene = _scene(structures, shaken, grid, wanted, sizeless, model)
@@ -128,7 +128,7 @@ def spectrum(
         history=f"{options.now()}: {options.command_line()}",
         sample_validity=not (wanted.no_validity or is_quiet()),
         progress=ProgressLine("spectrum", "chunks"),
-        **sweep.writing(texts),
+        **sweep.writing(structures),
     )
     summary = write_scene(scene, wanted.output, settings)
     dimensionless = grid is not None and grid.dimensionless

@@ -2,6 +2,8 @@
 
 from typing import Any
 
+from ..responses.verdict import Verdict
+
 
 def device_in_words(device: dict[str, Any]) -> str:
     """Return the text of a row of `device_rows`."""
@@ -28,13 +30,12 @@ def device_in_words(device: dict[str, Any]) -> str:
     )
 
 
-def devices_in_words(
-    devices: tuple[dict[str, Any], ...], first: float | None, free: float | None
-) -> list[str]:
-    """Return a sentence for each row of `device_rows`, one that compares first, the
-    lowest overturning amplitude, with free, that without these devices, and one on
-    devices that yield and never break.
+def devices_in_words(v: Verdict) -> list[str]:
+    """Return a sentence for each tie and tendon of a body, one that compares its
+    capacity with that without them, and one on those that yield and never break.
     """
+    devices, first = v.devices, v.first_overturning_a
+    free = v.first_overturning_a_free
     lines = [device_in_words(one) for one in devices]
     if first is not None and free is not None:
         change = 100.0 * (first / free - 1.0)

@@ -4,11 +4,14 @@ A new figure is one file with a function of figure, rows and units, and one line
 TABLES.
 """
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -46,12 +49,14 @@ from .figures.phase import phase
 from .figures.records import elastic_spectra, traces
 from .figures.slices import of_record, record_spectra, slice_of, spectrum_lines
 from .figures.sliding import slide_history
-from .rows import Rows, rows_in_memory, rows_of
+from .rows import Rows, rows_of
 from .units import Units
+
+if TYPE_CHECKING:
+    from .figures.memory import Plan
 
 Kind = tuple[set[str], Callable[[Figure, Rows, Units], list[Axes]]]
 _TABLES = (".csv", ".json", ".jsonl", "")  # of the rows that the commands print
-AxisEnds = tuple[float, float]  # both ends of an axis
 DRAWN = (
     "check, envelope, response, compare (curves), params (a family), fragility (curves,"
     " cells) or accuracy"
@@ -61,12 +66,72 @@ DRAWN = (
 class Opened(NamedTuple):
     """A file, or a result in memory, that a figure shows."""
 
-    name: str  # of the file, or of the result, for messages
-    # opens a spectra file, or a spectrum in memory; None for a table
-    cells: Callable[[], AbstractContextManager[SpectraFile]] | None
-    rows: Callable[[], Rows]  # reads the rows of a table
-    records: tuple[Path, ...] = ()  # files of records
-    held: tuple[Record, ...] = ()  # records in memory
+    name: str  # of the file, for messages; empty for a result
+    # opens a spectra file, or a spectrum in memory
+    cells: Callable[[], AbstractContextManager[SpectraFile]] | None = None
+    rows: Callable[[], Rows] = list  # reads the rows of a table
+    plan: Plan | None = None  # draws what is no table and no spectrum
+
+
+@dataclass(frozen=True)
+class OfRows:
+    """How a table is drawn; the fields are arguments of `draw`."""
+
+    over: str | None = None
+    portrait: bool = False
+    body: Document | None = None
+    align: bool = False
+    data: str | Path | None = None
+
+    def drawn(
+        self, figure: Figure, name: str, rows: Rows, units: Units, alone: Axes | None
+    ) -> list[Axes]:
+        """Draw rows by their columns; name: that of their source; alone: the Axes of
+        the caller, None in a figure. Raises UsageError.
+        """
+        axes = self._table(figure, name, rows, units, alone)
+        if self.data is None:
+            return axes
+        timed = "t" in rows[0] and _is_response(rows[0])
+        if self.portrait or self.align or not timed:
+            raise UsageError("`data` goes with a response over its time")
+        from ..responses.identification.trace import read_trace
+
+        measured(axes[0], read_trace(self.data), units)
+        return axes
+
+    def _table(
+        self, figure: Figure, name: str, rows: Rows, units: Units, alone: Axes | None
+    ) -> list[Axes]:
+        there = set(rows[0])
+        if "event" in there:
+            raise UsageError(
+                f"{name}: found events; expected the time history, which rocking"
+                " response prints without them"
+            )
+        least = {"first_overturning_a", "A_from"}
+        varied = any(heading.startswith(curves.VARIED) for heading in there)
+        try:
+            if varied and there & least:
+                return curves.least_amplitudes(figure, rows, units, self.over)
+            if self.portrait:
+                return phase(figure, rows, units, self.body)
+            if self.align or _is_response(rows[0]):
+                if alone is not None:
+                    return [response_axes(alone, rows, units, self.align)]
+                return response(figure, rows, units, self.align)
+            for wanted, kind in TABLES:
+                if wanted <= there:
+                    return kind(figure, rows, units)
+            if {"p", "alpha", "eta", "lambda"} <= there:
+                return family(figure, rows, units, self.over)
+        except (ValueError, TypeError, KeyError, AttributeError) as error:
+            raise UsageError(f"{name}: cannot be drawn: {error}") from None
+        found = ", ".join(sorted(there))[:80]
+        raise UsageError(
+            f"{name}: found the columns {found}; expected the CSV table of one of these"
+            f" commands: {DRAWN}"
+        )
 
 
 def draw(
@@ -78,8 +143,8 @@ def draw(
     every: bool = False,
     over: str | None = None,
     log: str = "",
-    xlim: AxisEnds | None = None,
-    ylim: AxisEnds | None = None,
+    xlim: tuple[float, float] | None = None,
+    ylim: tuple[float, float] | None = None,
     units: Units | None = None,
     look: Look | None = None,
     portrait: bool = False,
@@ -96,8 +161,8 @@ def draw(
     source
         a spectra file, a CSV file of a command ("-": standard input), or the CSV files
         of several responses; or a result in memory: of `time_history`, `spectrum`,
-        `check`, `envelope`, `trace_envelope`, `closed_form_curves`, `fragility`,
-        `slide_history` or `load_records`; or the path of a record
+        `check`, `code_check`, `envelope`, `trace_envelope`, `closed_form_curves`,
+        `fragility`, `slide_history` or `load_records`; or the path of a record
     target
         the file to write, or Axes of matplotlib, into which a response is drawn
         without its ground acceleration, and a record without velocity and displacement
@@ -152,37 +217,33 @@ def draw(
     >>> draw("d.h5", "slice.svg", cut="Omega=5")
     'slice at Omega = 5, the nearest of the file'
     """
-    opened = opened_source(source)
+    opened, units = opened_source(source, tell), in_figure_units(units)
     alone = None if isinstance(target, str | Path) else target
-    shown = in_figure_units(units)
     remark = None
-    instead = "; `text` needs nothing" if opened.cells else ""
-    with _place(target, instead, overwrite, look, tell) as figure:
-        if opened.records or opened.held:
-            records = opened.held or read_records(opened.records, tell)
-            axes = traces(figure, records, shown, alone)
+    name = opened.name or (type(source).__name__ if alone else str(target))
+    place: AbstractContextManager[Any] = (
+        canvas(target, overwrite, look=look, tell=tell)
+        if isinstance(target, str | Path)
+        else nullcontext(OneAxes(require_axes(target)))
+    )
+    with place as figure:
+        if opened.plan is not None:
+            axes = opened.plan(figure, units, alone)
         elif opened.cells is None:
-            lines = partial(phase, body=body) if portrait else None
-            rows = opened.rows()
-            axes = _table(figure, opened.name, rows, shown, over, lines, align, alone)
-            if data is not None:
-                if portrait or align or not _is_response(rows[0]) or "t" not in rows[0]:
-                    raise UsageError("`data` goes with a response over its time")
-                from ..responses.identification.trace import read_trace
-
-                measured(axes[0], read_trace(data), shown)
+            of_rows = OfRows(over, portrait, body, align, data)
+            axes = of_rows.drawn(figure, name, opened.rows(), units, alone)
         else:
             with opened.cells() as file:
                 if cut is not None:
-                    axes, remark = _cut(figure, file, cut, shown)
+                    axes, remark = _cut(figure, file, cut, units)
                 else:
-                    axes = _places(figure, file, structure, every, shown)
-        _require_marks(axes, opened.name)
+                    axes = _places(figure, file, structure, every, units)
+        _require_marks(axes, name)
         _set_logarithmic(axes, log)
         _set_limits(axes, xlim, ylim)
         if alone is not None:
             fit_title(alone)
-    return remark if isinstance(target, str | Path) else target
+    return remark if alone is None else alone
 
 
 def in_figure_units(units: Units | None) -> Units:
@@ -190,42 +251,10 @@ def in_figure_units(units: Units | None) -> Units:
     return Units({**FIGURE_UNITS.chosen, **(units.chosen if units else {})})
 
 
-def draw_rows(
-    rows: Iterable[Mapping[str, Any]],
-    target: Path,
-    *,
-    over: str | None = None,
-    units: Units | None = None,
-    overwrite: bool = True,
-    tell: Callable[[str], None] | None = None,
-) -> None:
-    """Draw rows in SI that a command has computed, as `draw` draws their CSV. The
-    arguments are those of `draw`. Raises UsageError, OutputError.
-    """
-    shown = in_figure_units(units)
-    with canvas(target, overwrite, tell=tell) as figure:
-        found = rows_in_memory(rows)
-        axes = _table(figure, str(target), found, shown, over, None, False, None)
-        _require_marks(axes, str(target))
-
-
-def draw_records(
-    records: Sequence[Record],
-    target: Path,
-    units: Units | None,
-    overwrite: bool,
-    tell: Callable[[str], None] | None,
-) -> None:
-    """Draw records over time. The arguments are those of `draw`. Raises UsageError,
-    OutputError.
-    """
-    shown = in_figure_units(units)
-    with canvas(target, overwrite, tell=tell) as figure:
-        traces(figure, records, shown)
-
-
 def _set_limits(
-    axes: Sequence[Axes], xlim: AxisEnds | None, ylim: AxisEnds | None
+    axes: Sequence[Axes],
+    xlim: tuple[float, float] | None,
+    ylim: tuple[float, float] | None,
 ) -> None:
     """Set the ends of the axes of the first panels: ylim of those that share the label
     of the first one.
@@ -243,21 +272,6 @@ def _set_logarithmic(axes: Sequence[Axes], log: str) -> None:
         for axis in log:
             one.set(**{f"{axis}scale": "log"})
             plain_ticks(getattr(one, f"{axis}axis"))
-
-
-def _place(
-    target: str | Path | Axes,
-    instead: str,
-    overwrite: bool,
-    look: Look | None,
-    tell: Callable[[str], None] | None,
-) -> AbstractContextManager[Any]:
-    """Return the context of the figure: one that is written, or the Axes of the
-    caller; instead: an alternative without matplotlib.
-    """
-    if not isinstance(target, str | Path):
-        return nullcontext(OneAxes(require_axes(target)))
-    return canvas(target, overwrite, look=look, tell=tell, instead=instead)
 
 
 def _cut(
@@ -317,34 +331,36 @@ class OneAxes:
         return np.array([[self._axes]])
 
 
-def opened_source(source: Any) -> Opened:
-    """Return what a path, several paths or a result in memory hold. Raises UsageError
-    for another thing.
+def opened_source(source: Any, tell: Callable[[str], None] | None) -> Opened:
+    """Return what a path, several paths or a result in memory hold; tell: called with
+    what is left out of records. Raises UsageError for another thing.
     """
-    if isinstance(source, list | tuple) and len(source) == 1:
-        return opened_source(source[0])
-    if isinstance(source, str | Path):
-        path = Path(source)
-        if holds_record(path):
-            return Opened(str(source), None, list, (path,))
-        cells = partial(SpectraFile, path) if is_spectra_file(path) else None
-        return Opened(str(source), cells, partial(_rows, [path]))
-    paths = isinstance(source, Sequence) and source
-    if paths and all(isinstance(one, str | Path) for one in source):
-        several = [Path(one) for one in source]
-        if all(map(holds_record, several)):
-            return Opened(str(several[0]), None, list, tuple(several))
-        return Opened(str(several[0]), None, partial(_rows, several))
+    several = source if type(source) in (list, tuple) else [source]
+    if not several or not all(isinstance(one, str | Path) for one in several):
+        return _in_memory(several[0] if len(several) == 1 else source, several)
+    paths = [Path(one) for one in several]
+    name = str(several[0])
+    if all(map(holds_record, paths)):
+        records = read_records(paths, tell)
+        return Opened(
+            name,
+            plan=lambda figure, units, alone: traces(figure, records, units, alone),
+        )
+    if len(paths) == 1 and is_spectra_file(paths[0]):
+        return Opened(name, partial(SpectraFile, paths[0]))
+    return Opened(name, rows=partial(_rows, paths))
 
-    from .figures.memory import memory_file, memory_records, memory_rows
 
-    name = type(source).__name__
-    if held := memory_records(source):
-        return Opened(name, None, list, held=tuple(held))
+def _in_memory(source: Any, several: Sequence[Any]) -> Opened:
+    """Return what a result holds, or several of one kind."""
+    from .figures.memory import memory_file, memory_plan, memory_rows
+
     if (file := memory_file(source)) is not None:
-        return Opened(name, lambda: nullcontext(file), list)
-    rows = memory_rows(source)
-    return Opened(name, None, lambda: rows)
+        return Opened("", lambda: nullcontext(file))
+    if several and (plan := memory_plan(several)):
+        return Opened("", plan=plan)
+    rows = memory_rows(several)
+    return Opened("", rows=lambda: rows)
 
 
 def _rows(sources: Sequence[Path]) -> Rows:
@@ -426,7 +442,7 @@ def _places(
 TABLES: tuple[Kind, ...] = (
     ({"damping", "T", "S_a", "S_d"}, elastic_spectra),
     ({"A_from", "mode"}, bands),
-    ({"motion", "outcome_linear", "first_overturning_a", "capacity_demand"}, checked),
+    ({"motion", "outcome_linear", "first_overturning_a", "demand_a"}, checked),
     ({"curve", "Omega", "A"}, closed_forms),
     ({"structure", "tau", "theta_ratio", "t", "theta"}, comparison),
     ({"method", "time_per_cell", "largest_difference"}, accuracy),
@@ -440,50 +456,6 @@ applies.
 """
 
 
-def _is_response(row: dict[str, str]) -> bool:
+def _is_response(row: Mapping[str, Any]) -> bool:
     """True for a row of the CSV of response."""
     return any(key.startswith(("theta_dot", "theta_ratio_rate")) for key in row)
-
-
-def _table(
-    figure: Figure,
-    source: str,
-    rows: Rows,
-    units: Units,
-    over: str | None,
-    portrait: Callable[..., list[Axes]] | None,
-    align: bool,
-    alone: Axes | None,
-) -> list[Axes]:
-    """Draw rows by their columns; source: where they come from; portrait: draws the
-    phase portrait, None without it; alone: the Axes of the caller, None in a figure.
-    The other arguments are those of `draw`. Raises UsageError.
-    """
-    there = set(rows[0])
-    if "event" in there:
-        raise UsageError(
-            f"{source}: found events; expected the time history, which rocking response"
-            " prints without them"
-        )
-    try:
-        if any(heading.startswith(curves.VARIED) for heading in there) and there & {
-            "first_overturning_a",
-            "A_from",
-        }:
-            return curves.least_amplitudes(figure, rows, units, over)
-        if portrait is not None or align or _is_response(rows[0]):
-            if portrait is None and alone is not None:
-                return [response_axes(alone, rows, units, align)]
-            return (portrait or partial(response, align=align))(figure, rows, units)
-        for wanted, kind in TABLES:
-            if wanted <= there:
-                return kind(figure, rows, units)
-        if {"p", "alpha", "eta", "lambda"} <= there:
-            return family(figure, rows, units, over)
-    except (ValueError, TypeError, KeyError) as error:
-        raise UsageError(f"{source}: cannot be drawn: {error}") from None
-    found = ", ".join(sorted(there))[:80]
-    raise UsageError(
-        f"{source}: found the columns {found}; expected the CSV table of one of these"
-        f" commands: {DRAWN}"
-    )

@@ -5,44 +5,47 @@ The template escapes every text of the user. jinja2 and matplotlib are imported 
 writes a page.
 """
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from datetime import date
 from functools import partial
 from pathlib import Path
 from typing import Any
 
 from ..documents.document import Document
-from ..documents.files import whole_text
-from ..dynamics.outcome import Outcome
 from ..motions.given import AnyMotion, demands_of, motions_of
 from ..motions.grid import Grid, demand_in_words
 from ..motions.recording import Recording
 from ..motions.records import Record
 from ..plugins import require
 from ..processes import available_cpus, processes
-from ..publishing import check_target, published
-from ..responses.check import Demand, OfRange, Progress, verdicts
+from ..publishing import check_target
+from ..responses.check import Demand, verdicts
 from ..responses.code_check import METHODS
+from ..responses.code_verdict import CodeVerdict
 from ..responses.opposite import opposite_outcomes
 from ..responses.verdict import Verdict
 from ..structures import (
+    RockingParameters,
     build_structure,
     on_each_interface,
     with_distinct_names,
 )
 from ..structures.given import documents_from
+from .figures.canvas import FIGURE_UNITS
 from .figures.capacities import capacities, code_demand_in_words
 from .page_parts import (
     WRITTEN_WITH,
     Asked,
+    Labels,
     details,
-    hashes,
     labelled,
+    labels_of,
     page_row,
     rendered,
     verdict_row,
+    write,
 )
-from .page_sections import Cases, CodeVerdict, Subject, checked, image, section
+from .page_sections import Cases, image, section
 from .wording import (
     OVERVIEW,
     capacity_left,
@@ -58,64 +61,46 @@ _NAMED = 5  # structures in the title, at most
 
 
 def page(
-    subjects: Sequence[Subject],
+    structures: Sequence[RockingParameters],
     verdicts: Sequence[Verdict],
     asked: Asked,
     *,
     checks: Sequence[CodeVerdict] = (),
     demands: Sequence[Demand] = (),
-    recordings: Sequence[Recording] = (),
-    vertical: str | None = None,
-    demand: str,
-    opposite: str = "",
-    remarks: Sequence[str] = (),
     workers: int | None = None,
 ) -> str:
     """Return the page as HTML.
 
     verdicts: those of `check`, for each of the demands; checks: those by the code, of
-    each verdict, or without verdicts of each structure; vertical: name or file of the
-    vertical motion; demand: the strength of the shaking in words; opposite: a remark on
-    that direction; remarks: sentences below the table of verdicts.
+    each verdict, or without verdicts of each structure.
     """
-    motions = ", ".join(dict.fromkeys(v.motion for v in verdicts))
     if asked.by_capacity:
-        subjects, verdicts, demands = _by_capacity(subjects, verdicts, demands)
-    cases = {
-        name: Cases.of(name, verdicts, demands, checks)
-        for name in (s.structure.name for s in subjects)
-    }
-    summary = asked.summary
-    shaking = f"under {demand}" if summary else f"under {motions}: {demand}"
-    structures = _sections(
-        [(s, cases[s.structure.name]) for s in subjects], recordings, workers, asked
-    )
-    drawn = [
-        line for one in structures if one["draws"] for line in one["draws"]["lines"]
-    ]
-    keys = dict.fromkeys(key for s in subjects for key in s.structure.labels)
-    labels = {
-        s.structure.name: {key: str(s.structure.labels.get(key, "")) for key in keys}
-        for s in subjects
-    }
-    means = "Of the means, " * bool(drawn)
+        structures, verdicts, demands = _by_capacity(structures, verdicts, demands)
+    cases = [Cases.of(s, verdicts, demands, checks) for s in structures]
+    sections = _sections(cases, workers, asked)
+    drawn = [line for one in sections if one["draws"] for line in one["draws"]["lines"]]
+    labels = labels_of(structures)
+    values: dict[str, Any] = {}
+    if verdicts:
+        motions = ", ".join(dict.fromkeys(v.motion for v in verdicts))
+        under = "" if asked.summary else f"{motions}: "
+        means = "Of the means, " * bool(drawn)
+        values = {
+            "lead": f"{means}{tally(verdicts)}, under {under}{asked.demand}.",
+            "overview": _overview(cases, labels) if asked.summary else [],
+            "capacities": image(
+                lambda figure: capacities(figure, verdicts, FIGURE_UNITS)
+            ),
+        }
     return rendered(
         asked,
-        title=asked.title or f"Rocking of {_some(list(cases))}",
-        opposite=opposite,
-        remarks=remarks,
-        lead=f"{means}{tally(verdicts)}, {shaking}." if verdicts else "",
+        structures,
+        title=asked.title or f"Rocking of {_some([s.name for s in structures])}",
         code=_of_code(checks, asked.code or {}, labels) if checks else None,
-        overview=_overview(cases, labels) if summary and verdicts else [],
-        verdicts=details(verdicts, labels) if verdicts else [],
-        capacities=(
-            image(lambda figure: capacities(figure, verdicts, True))
-            if verdicts
-            else None
-        ),
-        structures=structures,
+        verdicts=details(verdicts, labels),
+        sections=sections,
         draws=drawn,
-        hashes=hashes(subjects, recordings, [vertical or "", *asked.spectra]),
+        **values,
     )
 
 
@@ -129,42 +114,27 @@ def _some(names: Sequence[str]) -> str:
 
 
 def _sections(
-    subjects: Sequence[tuple[Subject, Cases]],
-    recordings: Sequence[Recording],
-    workers: int | None,
-    asked: Asked,
+    cases: Sequence[Cases], workers: int | None, asked: Asked
 ) -> list[dict[str, Any]]:
     """Return the template's values for each structure. Processes share the structures,
     or the cells of each under records, whose curves take most of the time.
     """
-    curves = recordings and asked.fragility
-    several = 1 if curves else min(workers or available_cpus(), len(subjects))
-    task = partial(_section, recordings, asked, 1 if several > 1 else workers)
+    curves = asked.recordings and asked.fragility
+    several = 1 if curves else min(workers or available_cpus(), len(cases))
+    task = partial(section, asked, 1 if several > 1 else workers)
     if several == 1:
-        return list(map(task, subjects))
+        return list(map(task, cases))
     with processes(several, task, "fewer `workers` need less") as run:
-        return list(run(subjects))
+        return list(run(cases))
 
 
-def _section(
-    recordings: Sequence[Recording],
-    asked: Asked,
-    workers: int | None,
-    one: tuple[Subject, Cases],
-) -> dict[str, Any]:
-    """Return the template's values for one structure."""
-    return section(*one, recordings, workers, asked.draws, asked.fragility, asked.ends)
-
-
-def _overview(
-    cases: Mapping[str, Cases], labels: Mapping[str, Mapping[str, str]]
-) -> list[dict[str, Any]]:
+def _overview(cases: Sequence[Cases], labels: Labels) -> list[dict[str, Any]]:
     """Return the rows of the first page, one for each structure; labels: of each
     structure.
     """
     rows = []
-    several = len({v.motion for mine in cases.values() for v in mine.verdicts}) > 1
-    for mine in cases.values():
+    several = len({v.motion for mine in cases for v in mine.verdicts}) > 1
+    for mine in cases:
         worst = worst_of(mine.verdicts)
         cells = dict(zip(OVERVIEW, overview_row(mine.verdicts), strict=True))
         if not several:
@@ -177,7 +147,7 @@ def _overview(
 def _of_code(
     checks: Sequence[CodeVerdict],
     code: Mapping[str, Any],
-    labels: Mapping[str, Mapping[str, str]],
+    labels: Labels,
 ) -> dict[str, Any]:
     """Return what the page says first of the check by a code: its demand, its verdict
     and a row for each check, red if a limit state is not verified.
@@ -213,13 +183,15 @@ def _of_code(
 
 
 def _by_capacity(
-    subjects: Sequence[Subject], verdicts: Sequence[Verdict], demands: Sequence[Demand]
-) -> tuple[list[Subject], list[Verdict], list[Demand]]:
+    structures: Sequence[RockingParameters],
+    verdicts: Sequence[Verdict],
+    demands: Sequence[Demand],
+) -> tuple[list[RockingParameters], list[Verdict], list[Demand]]:
     """Return the structures, verdicts and demands, the least capacity first."""
     order = sorted(range(len(verdicts)), key=lambda i: capacity_left(verdicts[i]))
     names = [verdicts[i].structure for i in order]
     return (
-        sorted(subjects, key=lambda s: names.index(s.structure.name)),
+        sorted(structures, key=lambda s: names.index(s.name)),
         [verdicts[i] for i in order],
         [demands[i] for i in order] if demands else [],
     )
@@ -283,81 +255,33 @@ def report(
     ['no_uplift']
     """
     motions = motions_of(motion)
-    read = [
-        one
-        for document in documents_from(documents)
-        for one in on_each_interface(document)
-    ]
-    structures = list(with_distinct_names(map(build_structure, read)))
+    structures = list(
+        with_distinct_names(
+            build_structure(one)
+            for document in documents_from(documents)
+            for one in on_each_interface(document)
+        )
+    )
     shakes = demands_of(motions, shaking)
     demands = [(one, *shake) for shake in shakes for one in structures]
-    return write_page(
-        [Subject(document, s) for document, s in zip(read, structures, strict=True)],
-        demands,
-        target,
-        Asked(
-            "rocking_cli.report",
-            str(date.today()),
-            title=title,
-            summary=summary,
-            by_capacity=by_capacity,
-        ),
+    check_target(Path(target), overwrite)
+    require(*WRITTEN_WITH)
+    found = list(verdicts(demands, workers=workers))
+    outcomes = opposite_outcomes(demands)
+    asked = Asked(
+        "rocking_cli.report",
+        str(date.today()),
+        title=title,
+        summary=summary,
+        by_capacity=by_capacity,
         demand=demand_plainly(shakes) if summary else demand_in_words(shakes),
-        opposite=lambda: opposite_outcomes(demands),
+        opposite=opposite_in_words(outcomes) if outcomes else "",
         recordings=[
             one if isinstance(one, Recording) else Recording(one)
             for one in motions
             if isinstance(one, Recording | Record)
         ],
-        overwrite=overwrite,
-        workers=workers,
     )
-
-
-def write_page(
-    subjects: Sequence[Subject],
-    demands: Sequence[Demand],
-    target: str | Path,
-    asked: Asked,
-    *,
-    demand: str,
-    overwrite: bool,
-    workers: int | None,
-    opposite: Callable[[], Sequence[tuple[str, Outcome]]],
-    ranges: Mapping[str, OfRange] | None = None,
-    remarks: Callable[[Sequence[Verdict]], Iterable[str]] | None = None,
-    recordings: Sequence[Recording] = (),
-    vertical: str | None = None,
-    progress: Progress | None = None,
-    tell: Callable[[str], None] = lambda _: None,
-) -> list[Verdict]:
-    """Check the structures under their demands, write the page and return the verdicts.
-
-    ranges: as of `verdicts`; opposite: returns the outcomes in the opposite direction
-    by name; remarks: returns sentences on the verdicts; tell: called with the verdict
-    of the code; the other arguments are those of `page`. Raises UsageError for a target
-    that cannot or must not be written, before anything is computed, and OutputError.
-    """
-    check_target(Path(target), overwrite)
-    require(*WRITTEN_WITH)
-    found = list(verdicts(demands, ranges=ranges, workers=workers, progress=progress))
-    outcomes = opposite()
-    checks = [] if asked.code is None else checked(subjects, found, demands, asked.code)
-    for line in verified_in_words([one.check for one in checks]):
-        tell(line)
-    text = page(
-        subjects,
-        found,
-        asked,
-        checks=checks,
-        demands=demands,
-        recordings=recordings,
-        vertical=vertical,
-        demand=demand,
-        opposite=opposite_in_words(outcomes) if outcomes else "",
-        remarks=[] if remarks is None else list(remarks(found)),
-        workers=workers,
-    )
-    with published(Path(target), overwrite) as file:
-        file.write(whole_text(text).encode())
+    text = page(structures, found, asked, demands=demands, workers=workers)
+    write(target, text, overwrite)
     return found

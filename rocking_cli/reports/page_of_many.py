@@ -3,18 +3,14 @@ the least capacity, and a table by label. All rows stand in a CSV file beside it
 """
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
-from ..documents.files import whole_text
-from ..errors import UsageError, did_you_mean
-from ..publishing import published
 from ..responses.verdict import CHECK_COLUMNS, Verdict
-from ..structures.parameters import RockingParameters
 from .figures.canvas import Figure
-from .page_parts import Asked, details, page_row, rendered
+from .page_parts import Asked, Labels, details, page_row, rendered, write
 from .page_sections import image
 from .tables import csv_lines
 from .wording import capacity_left, tally
@@ -22,26 +18,10 @@ from .wording import capacity_left, tally
 WORST = 20  # rows of the table of the least capacities
 _BINS = 40  # of the histogram
 
-Labels = Mapping[str, Mapping[str, str]]  # of each structure, by name
-
 
 def beside_of(target: Path) -> Path:
     """Return the name of the CSV file beside a page."""
     return target.with_name(f"{target.stem}-rows.csv")
-
-
-def labels_of(structures: Sequence[RockingParameters], by: str | None) -> Labels:
-    """Return the labels of structures; one without a label has an empty text. Raises
-    UsageError if none has the label `by`.
-    """
-    keys = dict.fromkeys(key for s in structures for key in s.labels)
-    if by is not None and by not in keys:
-        known = ", ".join(keys) or "none"
-        raise UsageError(
-            f"`by`: found {by!r}; expected a label of the structures:"
-            f" {known}{did_you_mean(by, list(keys))}"
-        )
-    return {s.name: {k: str(s.labels.get(k, "")) for k in keys} for s in structures}
 
 
 def write_page_of_many(
@@ -49,41 +29,33 @@ def write_page_of_many(
     labels: Labels,
     target: Path,
     asked: Asked,
-    *,
-    demand: str,
-    remarks: Sequence[str],
     by: str | None,
     overwrite: bool,
-    **told: Any,
 ) -> None:
     """Write the page on many verdicts, and the CSV file of all of them beside it.
 
-    demand, remarks: as of `page`; by: the label of the table by label, None without
-    one; told: further values of the template. Raises OutputError.
+    by: the label of the table by label, None without one. Raises OutputError.
     """
     worst = sorted(found, key=capacity_left)[:WORST]
     if unknown := sum(v.capacity_above is not None for v in found):
-        remarks = [*remarks, f"Nothing overturns {unknown:,} of them in the search."]
+        more = f"Nothing overturns {unknown:,} of them in the search."
+        asked = replace(asked, remarks=[*asked.remarks, more])
     text = rendered(
         asked,
         title=asked.title or f"Rocking of {len(labels):,} structures",
-        lead=f"{tally(found)}, under {demand}.",
+        lead=f"{tally(found)}, under {asked.demand}.",
         heading=f"The {len(worst)} with the least capacity",
         verdicts=details(worst, labels),
         beside=f"All {len(found):,} rows stand in {beside_of(target).name}.",
-        remarks=remarks,
         capacities=image(lambda figure: histogram(figure, found)),
         drawn="Number of structures over their capacity",
         by=[] if by is None else _by_label(found, by, labels),
-        **told,
     )
     rows = [_row_of(v, labels[v.structure]) for v in found]
     columns = dict.fromkeys([*CHECK_COLUMNS, *(key for row in rows for key in row)])
     lines = csv_lines({key: row.get(key) for key in columns} for row in rows)
-    with published(beside_of(target), overwrite) as file:
-        file.writelines(whole_text(f"{line}\n").encode() for line in lines)
-    with published(target, overwrite) as file:
-        file.write(whole_text(text).encode())
+    write(beside_of(target), "".join(f"{line}\n" for line in lines), overwrite)
+    write(target, text, overwrite)
 
 
 def _row_of(v: Verdict, labels: Mapping[str, str]) -> dict[str, object]:

@@ -13,11 +13,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from .. import __version__
+from ..documents.files import whole_text
 from ..documents.quantities import DEFAULT_GRAVITY
+from ..errors import UsageError, did_you_mean
 from ..motions.grid import Grid
 from ..motions.recording import Recording
+from ..publishing import published
 from ..responses.verdict import Verdict
-from .page_sections import Subject
+from ..structures import RockingParameters
 from .tables import Above
 
 if TYPE_CHECKING:
@@ -63,6 +66,9 @@ _FORMS = (
 WRITTEN_WITH = ("a report needs", "jinja2", "matplotlib")  # the arguments of `require`
 
 
+Labels = Mapping[str, Mapping[str, str]]  # of each structure, by name
+
+
 @dataclass(frozen=True)
 class Asked:
     """What a page says of its own making, and what it holds besides the verdicts."""
@@ -80,16 +86,29 @@ class Asked:
     ends: tuple[Grid, ...] = ()
     # arguments of `code_check`, None without a check by a code
     code: Mapping[str, Any] | None = None
-    spectra: Sequence[str] = ()  # the files of the spectra of the code
+    demand: str = ""  # the strength of the shaking in words
+    opposite: str = ""  # a remark on that direction
+    remarks: Sequence[str] = ()  # sentences below the table of verdicts
+    recordings: Sequence[Recording] = ()  # the set of records
+    # other files that were read: of a vertical motion, of the spectra of the code
+    inputs: Sequence[str] = ()
 
 
-def rendered(asked: Asked, **values: Any) -> str:
-    """Return the page with these values of its template; what is not given is left
-    out.
+def write(target: str | Path, text: str, overwrite: bool) -> None:
+    """Write a file as a whole. Raises UsageError, OutputError."""
+    with published(Path(target), overwrite) as file:
+        file.write(whole_text(text).encode())
+
+
+def rendered(
+    asked: Asked, structures: Sequence[RockingParameters] = (), **values: Any
+) -> str:
+    """Return the page with these values of its template; what is not given is left out.
+    structures: those whose documents are inputs of the page.
     """
     left_out: dict[str, Any] = {
-        **dict.fromkeys(("opposite", "lead", "beside", "code", "capacities")),
-        **{key: [] for key in ("overview", "structures", "draws", "by", "remarks")},
+        **dict.fromkeys(("lead", "beside", "code", "capacities")),
+        **{key: [] for key in ("overview", "sections", "draws", "by")},
         "heading": "What stands and what falls",
         "drawn": "Capacity over demand of each structure",
     }
@@ -100,6 +119,9 @@ def rendered(asked: Asked, **values: Any) -> str:
             "command": asked.command,
             "made": asked.made,
             "versions": _versions(),
+            "opposite": asked.opposite,
+            "remarks": asked.remarks,
+            "hashes": _hashes(structures, asked),
         }
         | values
     )
@@ -126,8 +148,22 @@ def _versions() -> list[tuple[str, str]]:
     ]
 
 
+def labels_of(structures: Sequence[RockingParameters], by: str | None = None) -> Labels:
+    """Return the labels of structures; one without a label has an empty text. Raises
+    UsageError if none has the label `by`.
+    """
+    keys = dict.fromkeys(key for s in structures for key in s.labels)
+    if by is not None and by not in keys:
+        known = ", ".join(keys) or "none"
+        raise UsageError(
+            f"`by`: found {by!r}; expected a label of the structures:"
+            f" {known}{did_you_mean(by, list(keys))}"
+        )
+    return {s.name: {k: str(s.labels.get(k, "")) for k in keys} for s in structures}
+
+
 def labelled(
-    cells: Mapping[str, str | float | None], labels: Mapping[str, Mapping[str, str]]
+    cells: Mapping[str, str | float | None], labels: Labels
 ) -> dict[str, str | float | None]:
     """Return a row with the labels of its structure behind the name."""
     name = str(cells["structure"])
@@ -138,9 +174,7 @@ def labelled(
     return {"structure": name, **own, **cells}
 
 
-def details(
-    verdicts: Sequence[Verdict], labels: Mapping[str, Mapping[str, str]]
-) -> list[dict[str, Any]]:
+def details(verdicts: Sequence[Verdict], labels: Labels) -> list[dict[str, Any]]:
     """Return the rows of the table of verdicts; labels: of each structure."""
     rows = []
     several = len({v.motion for v in verdicts}) > 1
@@ -158,28 +192,27 @@ def details(
     return rows
 
 
-def hashes(
-    subjects: Sequence[Subject], recordings: Sequence[Recording], others: Sequence[str]
+def _hashes(
+    structures: Sequence[RockingParameters], asked: Asked
 ) -> list[tuple[str, str]]:
     """Return (name, SHA-256) of each input: that of its file, or of the text of a
     document without a file.
     """
     inputs: dict[str, bytes] = {}
-    for s in subjects:
-        inputs[s.document.source] = (
-            inputs.get(s.document.source, b"") + s.document.text.encode()
-        )
+    for document in (s.document for s in structures):
+        if document is not None:
+            text = document.text.encode()
+            inputs[document.source] = inputs.get(document.source, b"") + text
     found = {
         source: hashlib.sha256(content).hexdigest()
         for source, content in inputs.items()
     }
-    for source in (*inputs, *others):
+    for source in (*inputs, *asked.inputs):
         if Path(source).is_file():
             with open(source, "rb") as file:
                 found[source] = hashlib.file_digest(file, "sha256").hexdigest()
-    return list(
-        (found | {r.record.source: r.record.sha256 for r in recordings}).items()
-    )
+    found |= {r.record.source: r.record.sha256 for r in asked.recordings}
+    return list(found.items())
 
 
 def verdict_row(values: dict[str, str | float | None], v: Verdict) -> dict[str, Any]:

@@ -3,14 +3,14 @@ the demand, the agreement of both equations, and fragility curves.
 """
 
 import base64
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from itertools import zip_longest
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from ..documents.document import Document
 from ..documents.quantities import DEFAULT_GRAVITY
 from ..dynamics.method import LINEAR, governing_method
 from ..dynamics.outcome import Difference, difference
@@ -27,7 +27,8 @@ from ..motions.grid import Axis, Grid
 from ..motions.intensity_measures import MEASURES
 from ..motions.recording import Recording
 from ..responses.check import Demand
-from ..responses.code_check import METHODS, CodeCheck, code_check, first_beyond
+from ..responses.code_check import METHODS
+from ..responses.code_verdict import CodeVerdict
 from ..responses.shares import ShareOfDraws
 from ..responses.uncertainty import drawn_verdict, share_curve
 from ..responses.verdict import Verdict
@@ -44,6 +45,7 @@ from .figures.fragility_curves import fragility_curves
 from .figures.maps import outcome_map
 from .figures.memory import memory_file
 from .figures.shares import shares
+from .page_parts import Asked
 from .wording import draws_in_words, parameter_rows
 
 SIDE = 60  # values on each axis of a map, whose cells are printed 1 mm wide
@@ -55,70 +57,10 @@ FEW_DRAWS = 128  # draws of that curve under a record, at most
 
 
 @dataclass(frozen=True)
-class Subject:
-    """A structure and its document."""
-
-    document: Document  # from which the structure was built
-    structure: RockingParameters  # parameters of the structure
-
-
-@dataclass(frozen=True)
-class CodeVerdict:
-    """A check by the code, and the sentences on what it promises too much."""
-
-    motion: str  # name of the motion
-    check: CodeCheck  # amplitudes that the methods of the code accept
-    promises: list[str]  # on each method that accepts more than the dynamics do
-    carried: bool  # True if its document states a building, its floor of the code
-
-    @property
-    def verified(self) -> bool:
-        """True if each limit state that is asked is verified."""
-        return all(map(self.check.verified, self.check.asked))
-
-    @property
-    def least(self) -> float:
-        """The least amplitude over the demand that a limit state accepts, 0 for one
-        without an answer.
-        """
-        ratios = (at.ratio for at in self.check.reached().values())
-        return 0.0 if self.check.unanswered else min(ratios)
-
-
-def checked(
-    subjects: Sequence[Subject],
-    verdicts: Sequence[Verdict],
-    demands: Sequence[Demand],
-    code: Mapping[str, Any],
-) -> list[CodeVerdict]:
-    """Return the check by the code of each demand, or without one of each structure;
-    code: arguments of `code_check`.
-    """
-    if not demands:
-        return [
-            CodeVerdict(check.demand, check, [], bool(one.structure.building))
-            for one in subjects
-            for check in [code_check(one.structure, **code)]
-        ]
-    found = []
-    # the demands are those on the floors already
-    modes = {one.structure.name: one.structure.building for one in subjects}
-    for v, demand in zip(verdicts, demands, strict=True):
-        structure, motion, shaking = demand
-        carrier = modes.get(structure.name, ())
-        check = code_check(
-            replace(structure, building=carrier), motion, shaking, **code
-        )
-        beyond = first_beyond(*demand, most=v.first_overturning_a)
-        promises = check.promises(v.first_overturning_a, beyond)
-        found.append(CodeVerdict(v.motion, check, promises, bool(carrier)))
-    return found
-
-
-@dataclass(frozen=True)
 class Cases:
     """One structure under each of its motions."""
 
+    structure: RockingParameters
     verdicts: list[Verdict]  # of `check`
     shakes: list[tuple[Motion, Grid]]  # motion and demand of each verdict
     checks: list[CodeVerdict]  # by the code, of each verdict; none without a code
@@ -126,33 +68,24 @@ class Cases:
     @classmethod
     def of(
         cls,
-        name: str,
+        structure: RockingParameters,
         verdicts: Sequence[Verdict],
         demands: Sequence[Demand],
         checks: Sequence[CodeVerdict],
     ) -> "Cases":
-        """Return those of the structure of this name."""
+        """Return those of a structure."""
+        name = structure.name
         return cls(
+            structure,
             [v for v in verdicts if v.structure == name],
             [(motion, grid) for s, motion, grid in demands if s.name == name],
             [one for one in checks if one.check.structure == name],
         )
 
 
-def section(
-    subject: Subject,
-    cases: Cases,
-    recordings: Sequence[Recording],
-    workers: int | None,
-    draws: tuple[int, int] | None = None,
-    fragility: bool = True,
-    ends: Sequence[Grid] = (),
-) -> dict[str, Any]:
-    """Return the template's values for one structure and its verdicts; draws: their
-    number and seed, of a structure whose numbers have spreads; fragility: True for
-    curves under the records; ends: the demands at both ends of a range of frequencies.
-    """
-    structure, mine = subject.structure, cases.verdicts
+def section(asked: Asked, workers: int | None, cases: Cases) -> dict[str, Any]:
+    """Return the template's values for one structure and its verdicts."""
+    structure, mine, recordings = cases.structure, cases.verdicts, asked.recordings
     # A record, and a motion of a floor, have no map over frequencies.
     pulses = [shake for shake in cases.shakes if shake[0].acceleration is None]
     pulse = pulses[0] if pulses and not recordings else None
@@ -164,7 +97,7 @@ def section(
         codes = difference(outcomes[:, 0], outcomes[:, 1])
     else:
         judged = "cells of the map"
-        drawn, codes = _map(structure, *pulse, ends, mine, workers)
+        drawn, codes = _map(structure, *pulse, asked.ends, mine, workers)
     linear = all(v.model == LINEAR.model for v in mine)
     kind = structure.structure
     if structure.eta_source:
@@ -172,15 +105,13 @@ def section(
     return {
         "name": structure.name,
         "kind": kind,
-        "drawing": _drawing(subject),
+        "drawing": _drawing(structure),
         "parameters": parameter_rows(structure),
         "ties": [
             f"{v.motion}: {remark}"
             for v in mine
             for remark in [
-                *devices_in_words(
-                    v.devices, v.first_overturning_a, v.first_overturning_a_free
-                ),
+                *devices_in_words(v),
                 *([v.slide.words] if v.slide else []),
                 *([v.coupling] if v.coupling else []),
             ]
@@ -195,12 +126,12 @@ def section(
         ),
         "fragility": (
             _fragility(structure, recordings, workers)
-            if recordings and fragility
+            if recordings and asked.fragility
             else None
         ),
-        "code": _by_code(cases.checks) if cases.checks else None,
-        "draws": _draws(structure, cases, draws),
-        "text": subject.document.text.strip(),
+        "code": _by_code(cases) if cases.checks else None,
+        "draws": _draws(cases, asked.draws),
+        "text": structure.document.text.strip() if structure.document else "",
     }
 
 
@@ -213,17 +144,19 @@ def image(plan: Callable[[Figure], object]) -> str:
     return f"data:image/svg+xml;base64,{base64.b64encode(drawn).decode()}"
 
 
-def _drawing(subject: Subject) -> str | None:
+def _drawing(structure: RockingParameters) -> str | None:
     """Return a drawing of the structure as a data URL, None without geometry."""
+    if structure.document is None:
+        return None
     try:
-        sketch = sketch_of(subject.document, subject.structure)
+        sketch = sketch_of(structure.document, structure)
     except DocumentError:
         return None
 
     def plan(figure: Figure) -> None:
         figure.set_size_inches(*_SIZE)
         axes = figure.add_subplot()
-        structure_axes(axes, subject.structure, sketch, FIGURE_UNITS, described=False)
+        structure_axes(axes, structure, sketch, FIGURE_UNITS, described=False)
         axes.set_axis_off()  # its lines of dimension state the size
         axes.margins(0.05)
         place(figure, axes, left=0.1, bottom=0.1, top=0.3)
@@ -357,11 +290,7 @@ def _fragility(
             fits.append(study.fit("stripes", limit))
         except UsageError as error:
             remarks.append(f"limit state {word_of(limit)}: {error}")
-    rows = [
-        {key: "" if x is None else str(x) for key, x in row.items()}
-        for fit in fits
-        for row in fit.points_of_curve()
-    ]
+    rows = [row for fit in fits for row in fit.points_of_curve()]
     drawn = None
     if fits:
         drawn = image(lambda figure: fragility_curves(figure, rows, FIGURE_UNITS))
@@ -372,32 +301,33 @@ def _fragility(
     }
 
 
-def _by_code(checks: Sequence[CodeVerdict]) -> dict[str, Any]:
+def _by_code(cases: Cases) -> dict[str, Any]:
     """Return the template's values for the checks of a structure by the code: a line on
     each motion, and the capacity curve under the worst one.
     """
-    worst = min(checks, key=lambda one: one.least)
+    worst = min(cases.checks, key=lambda one: one.least)
 
     def plan(figure: Figure) -> None:
         figure.set_size_inches(6.4, 3.2)
         capacity_curve(figure.add_subplot(), worst.check)
 
     lines = []
-    for one in checks:
-        several = f"{one.motion}: " if len(checks) > 1 else ""
+    for one, v in zip_longest(cases.checks, cases.verdicts):
+        several = f"{one.motion}: " if len(cases.checks) > 1 else ""
         lines.append(f"{several}{', '.join(map(one.check.sentence, METHODS))}")
-        lines += [f"{several}{line}" for line in one.promises]
+        if v is not None:
+            promises = one.check.promises(v.first_overturning_a, one.beyond(v))
+            lines += [f"{several}{line}" for line in promises]
         if one.check.slv and one.check.slv.broken:
             lines.append(f"{several}a tie or a tendon breaks before 0.4 d0")
     return {"lines": lines, "figure": image(plan)}
 
 
-def _draws(
-    structure: RockingParameters, cases: Cases, draws: tuple[int, int] | None
-) -> dict[str, Any] | None:
+def _draws(cases: Cases, draws: tuple[int, int] | None) -> dict[str, Any] | None:
     """Return the template's values for the draws of a structure: a line on each motion,
     and the share that falls over the amplitude of the worst one. None without draws.
     """
+    structure = cases.structure
     if draws is None or structure.drawn_from is None:
         return None
     n, seed = draws

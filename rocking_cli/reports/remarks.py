@@ -28,10 +28,12 @@ def model_in_words(
     if dimensionless:
         return f"{line}, on dimensionless axes (A, Omega)"
     stated = [s.name for s in structures if not geometry_known(s)]
-    return (
-        f"{line}, since the geometry of"
-        f" {', '.join(stated[:3])}{' and others' * (len(stated) > 3)} is not known"
-    )
+    return f"{line}, since the geometry of {_some(stated)} is not known"
+
+
+def _some(names: list[str]) -> str:
+    """Return names in words, the first three of many."""
+    return f"{', '.join(names[:3])}{' and others' * (len(names) > 3)}"
 
 
 def inset_in_words(found: "InsetEffect") -> str:
@@ -70,11 +72,10 @@ def direction_in_words(
     direction.
     """
     names = [s.name for s in structures if has_direction(s)]
-    some = f"{', '.join(names[:3])}{' and others' * (len(names) > 3)}"
     return (
         [
-            f"one direction of the motion only, though the sides differ: {some};"
-            f" {opposite} gives the opposite one"
+            "one direction of the motion only, though the sides differ:"
+            f" {_some(names)}; {opposite} gives the opposite one"
         ]
         if names
         else []
@@ -87,8 +88,7 @@ def stuck_in_words(structures: Iterable[RockingParameters]) -> list[str]:
     """
     if not (names := [s.name for s in sliders(structures)]):
         return []
-    more = " and others" * (len(names) > 3)
     return [
         "the base is taken not to slide, though by its friction, which is below lambda,"
-        f" it slides and never rocks: {', '.join(names[:3])}{more}; see rocking check"
+        f" it slides and never rocks: {_some(names)}; see rocking check"
     ]

@@ -1,4 +1,6 @@
-"""The rows of CSV that a command printed, in SI units by column name."""
+"""The rows of a table that a figure draws, in SI units by column name: those that a
+command printed hold texts, those in memory values; None stands for an empty cell.
+"""
 
 import json
 from collections.abc import Iterable, Mapping
@@ -14,7 +16,7 @@ from ..documents.texts import text_of
 from ..errors import ArgumentError, DocumentError, UsageError
 from .units import si_of
 
-Rows = list[dict[str, str]]
+Rows = list[dict[str, Any]]
 
 
 def rows_of(source: str) -> Rows:
@@ -26,15 +28,13 @@ def rows_of(source: str) -> Rows:
         text = text_of(name, raw)
         if text.lstrip().startswith("{"):
             found = _objects_of(text)
-            rows = [
-                {k: "" if v is None else str(v) for k, v in row.items()}
-                for row in found
-                if row.get("event") != "summary"
-            ]
+            rows = [row for row in found if row.get("event") != "summary"]
         else:
             table = table_of(text, name)
             rows = [
-                _in_si(dict(zip(table.headings, cells, strict=True)))
+                _in_si(
+                    {k: x or None for k, x in zip(table.headings, cells, strict=True)}
+                )
                 for _, cells in table.full_rows()
             ]
     except (DocumentError, ArgumentError) as error:
@@ -63,41 +63,34 @@ def _objects_of(text: str) -> list[dict[str, Any]]:
 
 
 def rows_in_memory(rows: Iterable[Mapping[str, Any]]) -> Rows:
-    """Return rows of values in SI as `rows_of` returns those of a CSV file. Raises
-    UsageError without rows.
-    """
-    from .tables import csv_cell, flat
+    """Return rows in SI that a command has computed, each with every column."""
+    from .tables import flat
 
     found = [flat(row) for row in rows]
-    if not found:
-        raise UsageError("there is no row to draw")
     columns = dict.fromkeys(key for row in found for key in row)
-    texts = [
-        {str(csv_cell(key)): str(csv_cell(row.get(key))) for key in columns}
-        for row in found
-    ]
-    return [_in_si(row) for row in texts]
+    return [_in_si({key: row.get(key) for key in columns}) for row in found]
 
 
-def _in_si(row: dict[str, str]) -> dict[str, str]:
+def _in_si(row: Mapping[str, Any]) -> dict[str, Any]:
     """Return a row in SI units. The columns before `name`, the varied keys of a family,
     keep their headings and units.
     """
     found = {}
     varied = "name" in row and "structure" not in row
-    for heading, text in row.items():
+    for heading, value in row.items():
         varied = varied and heading != "name"
         column, factor = (heading, 1.0) if varied else si_of(heading or "")
-        if factor != 1.0 and text:
+        if factor != 1.0 and value is not None:
             with suppress(ValueError):
-                text = repr(float(text) * factor)
-        found[column] = text
+                value = float(value) * factor
+        found[column] = value
     return found
 
 
-def column(rows: Iterable[dict[str, str]], key: str) -> np.ndarray:
+def column(rows: Iterable[Mapping[str, Any]], key: str) -> np.ndarray:
     """Return a column as numbers, NaN for an empty cell. Raises ValueError."""
-    return np.array([float(row[key]) if row[key] else np.nan for row in rows])
+    cells = (row[key] for row in rows)
+    return np.array([np.nan if cell is None else float(cell) for cell in cells])
 
 
 def groups(rows: Rows, *keys: str) -> dict[tuple[str, ...], Rows]:
@@ -106,5 +99,7 @@ def groups(rows: Rows, *keys: str) -> dict[tuple[str, ...], Rows]:
     """
     found: dict[tuple[str, ...], Rows] = {}
     for row in rows:
-        found.setdefault(tuple(row[key] for key in keys if key in row), []).append(row)
+        cells = (row[key] for key in keys if key in row)
+        texts = tuple("" if cell is None else str(cell) for cell in cells)
+        found.setdefault(texts, []).append(row)
     return found

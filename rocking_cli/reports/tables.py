@@ -461,13 +461,13 @@ MARKED = {"markdown": markdown_lines, "latex": latex_lines}
 """The forms of a table for other programs."""
 
 
-def shown_cells(row: Row, digits: int = 4) -> Iterator[tuple[str, str]]:
+def shown_cells(row: Row) -> Iterator[tuple[str, str]]:
     """Yield (heading with unit, text) of the columns of a row of SI values that have a
     value.
     """
     (shown,) = Units().shown([row])
     for heading in _headings([shown], ()):
-        yield heading, _cell(heading, shown[heading], digits)
+        yield heading, _cell(heading, shown[heading], 4)
 
 
 def _plain(value: Any) -> Any:

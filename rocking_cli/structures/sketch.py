@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
 
 Point = tuple[float, float]
@@ -32,7 +32,7 @@ class Sketch:
     # label, tail and head of arrows, such as a load
     arrows: tuple[tuple[str, tuple[Point, Point]], ...] = ()
     # function of theta [rad] that returns the outlines of the bodies that then move and
-    # of those that stay; None for a body, or for a linkage that is its own mirror image
+    # of those that stay; None for a body on two edges
     pose: Callable[[float], tuple[list[Outline], list[Outline]]] | None = field(
         default=None, repr=False, compare=False
     )
@@ -41,6 +41,25 @@ class Sketch:
     # the lengths that the document states; none for those at the foot and of the height
     dimensions: tuple[Dimension, ...] = ()
     remark: str = ""  # what it states besides, such as a radius and an angle
+
+    def in_unit(self, metre: float) -> "Sketch":
+        """Return the same with its points in a unit of length [m]."""
+
+        def of(value: Any) -> Any:
+            if isinstance(value, float | int) and not isinstance(value, bool):
+                return value / metre
+            if isinstance(value, Dimension):
+                return Dimension(*map(of, value))
+            return tuple(map(of, value)) if isinstance(value, tuple) else value
+
+        return replace(self, **{key: of(x) for key, x in vars(self).items()})
+
+    def posed(self, theta: float) -> tuple[Sequence[Outline], Sequence[Outline]]:
+        """Return the outlines at theta [rad]: of what then moves, and of what stays."""
+        if self.pose is not None:
+            return self.pose(theta)
+        about = dict(self.pivots)["right" if theta > 0.0 else "left"]
+        return [turned(outline, about, theta) for outline in self.bodies], self.still
 
 
 def rocker(

@@ -446,7 +446,8 @@ def test_a_figure_holds_hazard_fragility_and_the_part_of_each_level(rocking):
         float(fit[0]["annual_rate"]), rel=0.03
     )
     figure = Figure()
-    (axes,) = fragility_curves(figure, rows, parse_units("g"))
+    read = [{key: text or None for key, text in row.items()} for row in rows]
+    (axes,) = fragility_curves(figure, read, parse_units("g"))
     left, right = figure.axes
     assert (left, left.get_xscale(), right.get_yscale()) == (axes, "log", "log")
     (hazard,) = right.get_lines()

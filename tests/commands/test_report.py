@@ -17,6 +17,7 @@ import pytest
 from rocking_cli import (
     Outcome,
     Recording,
+    RockingParameters,
     Verdict,
     build_structure,
     check,
@@ -33,7 +34,6 @@ from rocking_cli.motions.biaxial import Upwards
 from rocking_cli.motions.reading import read_motions
 from rocking_cli.reports.page import _some, page
 from rocking_cli.reports.page_parts import Asked
-from rocking_cli.reports.page_sections import Subject, checked
 from rocking_cli.reports.wording import (
     OVERVIEW,
     demand_plainly,
@@ -41,6 +41,7 @@ from rocking_cli.reports.wording import (
     overview_row,
     verdict_plainly,
 )
+from rocking_cli.responses.code_verdict import code_verdicts
 
 HOSTILE = """<script>document.title = "taken"</script>'"&amp; $x$ {{ 7 * 7 }}"""
 DEMAND = parse_grid("a_g=0.6g,f_g=1.2")
@@ -90,10 +91,10 @@ DAMPED = (
 STATED = "{kind: parameters, name: Arch, p: 1.84, alpha: 0.069, eta: 0.9, lambda: 0.37}"
 
 
-def subject(text: str) -> Subject:
+def structure(text: str) -> RockingParameters:
     """A structure as the page takes it."""
     (document,) = parse_documents(text)
-    return Subject(document, build_structure(document))
+    return build_structure(document)
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -106,20 +107,20 @@ def coarse_maps():
 @pytest.fixture(scope="module")
 def verdict() -> Verdict:
     """On the block under a sine that overturns it."""
-    return check(subject(BLOCK).structure, sine(), DEMAND)
+    return check(structure(BLOCK), sine(), DEMAND)
 
 
 @pytest.fixture(scope="module")
 def text(verdict) -> str:
     """The page of a block with a hostile name and document."""
-    shown, demands = subject(BLOCK), [(subject(BLOCK).structure, sine(), DEMAND)]
+    shown = structure(BLOCK)
+    demands = [(shown, sine(), DEMAND)]
     return page(
         [shown],
         [verdict],
-        Asked(f"rocking {HOSTILE}", "today", author=HOSTILE, code={}),
-        checks=checked([shown], [verdict], demands, {}),
+        Asked(f"rocking {HOSTILE}", "today", author=HOSTILE, code={}, demand="strong"),
+        checks=list(code_verdicts([shown], demands, {})),
         demands=demands,
-        demand="strong",
         workers=1,
     )
 
@@ -177,11 +178,11 @@ def recordings(folder: Path, count: int) -> tuple[Recording, ...]:
 
 @pytest.mark.soak
 def test_processes_write_the_page_of_one():
-    subjects = [subject(DAMPED.format(i, a)) for i, a in enumerate((0.4, 0.2, 0.3))]
-    demands = [(one.structure, sine(), DEMAND) for one in subjects]
+    bodies = [structure(DAMPED.format(i, a)) for i, a in enumerate((0.4, 0.2, 0.3))]
+    demands = [(one, sine(), DEMAND) for one in bodies]
     verdicts = [check(*demand) for demand in demands]
     pages = [
-        page(subjects, verdicts, ASKED, demands=demands, demand="", workers=workers)
+        page(bodies, verdicts, ASKED, demands=demands, workers=workers)
         for workers in (1, 2)
     ]
     images = [re.findall(r'src="data:[^"]+"', text) for text in pages]
@@ -204,8 +205,8 @@ ASKED = Asked("rocking report", "today")
 def test_a_capacity_above_the_limit_of_the_search_and_worn_edges_are_shown(tmp_path):
     above = replace(STANDS, searched_to=52.0)
     lines = ["Arch: pivots 25 mm inside the edges would take 10 % of the capacity"]
-    given = {"recordings": recordings(tmp_path, 2), "demand": ""}
-    text = page([subject(STATED)], [above], ASKED, remarks=lines, **given)
+    asked = replace(ASKED, recordings=recordings(tmp_path, 2), remarks=lines)
+    text = page([structure(STATED)], [above], asked)
     heads, row = ([cell.strip() for cell in row] for row in Page(text).rows[:2])
     assert dict(zip(heads, row, strict=True))["capacity over demand"] == "> 13.00"
     assert f"<p>{lines[0]}</p>" in text
@@ -213,13 +214,8 @@ def test_a_capacity_above_the_limit_of_the_search_and_worn_edges_are_shown(tmp_p
 
 def test_a_few_records_bear_no_curve(tmp_path):
     records = recordings(tmp_path, 2)
-    text = page(
-        [subject(STATED)],
-        [STANDS],
-        ASKED,
-        recordings=records,
-        demand="",
-    )
+    asked = replace(ASKED, recordings=records)
+    text = page([structure(STATED)], [STANDS], asked)
     assert "2 records; a fit needs at least 4" in text
     assert [(row[0].strip(), row[1].strip()) for row in Page(text).rows[-2:]] == [
         (r.record.source, r.record.sha256) for r in records
@@ -229,7 +225,7 @@ def test_a_few_records_bear_no_curve(tmp_path):
 def test_each_edge_and_the_damping_are_stated_and_what_leaves_the_ground_is_not_agreed(
     tmp_path,
 ):
-    statue = subject(
+    statue = structure(
         "{kind: rigid, name: Arch, left: 0.42, right: 0.31, height: 1.15, gyration:"
         " 0.68, damping: 0.05}"
     )
@@ -238,19 +234,14 @@ def test_each_edge_and_the_damping_are_stated_and_what_leaves_the_ground_is_not_
     )
     falls = replace(gone, outcome=Outcome.OVERTURNED_NO_IMPACT)
     failed = replace(gone, outcome=Outcome.FAILED)
-    text = page(
-        [statue],
-        [gone, falls, failed],
-        ASKED,
-        recordings=recordings(tmp_path, 2),
-        demand="",
-    )
+    asked = replace(ASKED, recordings=recordings(tmp_path, 2))
+    text = page([statue], [gone, falls, failed], asked)
     rows = {
         (row[0].strip(), row[1].strip()): float(row[2])
         for row in Page(text).rows
         if len(row) == 5 and row[3].strip() in ("-", "rad")
     }
-    for side in statue.structure.sides:
+    for side in statue.sides:
         assert rows["α", f"critical angle, {side.side} edge"] == pytest.approx(
             side.alpha, rel=5e-4
         )
@@ -290,7 +281,7 @@ def test_a_vertical_motion_is_in_every_verdict_and_in_the_curves(
             )
         ]
 
-    monkeypatch.setattr("rocking_cli.reports.page.verdicts", noted)
+    monkeypatch.setattr("rocking_cli.responses.check.verdicts", noted)
     monkeypatch.setattr("rocking_cli.reports.page_sections.exposures", half_of_them)
     call = (
         "report",

@@ -1,7 +1,7 @@
 """A response in motion: the body and its ground as a GIF in real time."""
 
 import io
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from pathlib import Path
 from textwrap import fill
 from typing import Any, NamedTuple
@@ -16,9 +16,9 @@ from ...plugins import require
 from ...publishing import check_target, published
 from ...structures import build_structure
 from ...structures.kinds import sketch_of
-from ...structures.sketch import Outline, Sketch, turned
+from ...structures.sketch import Sketch
 from ..rows import Rows, column
-from .canvas import DRAWN_WITH, FIGURE_UNITS, Axes, Figure, Look, heading, styled
+from .canvas import DRAWN_WITH, FIGURE_UNITS, Figure, Look, heading, styled
 from .drawing import ACCENT, GROUND, INK, STONE
 from .phase import block_of, scaled
 
@@ -66,8 +66,13 @@ def animate(
     course = _course(rows, theta, ratio)
     words = heading(rows, FIGURE_UNITS, "structure", "motion", "model")
     frames = _frames(sketch, course, words, look or Look())
+    drawn = io.BytesIO()
+    each = 1000 // _FRAMES  # ms
+    frames[0].save(
+        drawn, "gif", save_all=True, append_images=frames[1:], duration=each, loop=0
+    )
     with published(Path(target), overwrite) as file:
-        file.write(_as_gif(frames))
+        file.write(drawn.getvalue())
 
 
 class Track(NamedTuple):
@@ -75,34 +80,29 @@ class Track(NamedTuple):
 
     times: np.ndarray  # [s], (n,)
     theta: np.ndarray  # [rad], (n,)
-    ratio: np.ndarray  # theta/alpha [-], (n,)
     ground: np.ndarray  # displacement of the ground [m], (n,)
     acceleration: np.ndarray  # of the ground [m/s2], (n,)
-    falls: bool  # True if the body overturns by the end of the rows
+    fallen: np.ndarray  # True from where the body never comes back to alpha, (n,)
 
 
 def _course(rows: Rows, theta: np.ndarray, ratio: np.ndarray) -> Track:
     """Return the response at the times of the frames; theta [rad], ratio: theta/alpha,
     of each row.
     """
+    from scipy.integrate import cumulative_trapezoid
+
     t = column(rows, "t")
     acceleration = column(rows, "ground_acceleration")
-    displacement = _integral(_integral(acceleration, t), t)
+    velocity = cumulative_trapezoid(acceleration, t, initial=0.0)
+    displacement = cumulative_trapezoid(velocity, t, initial=0.0)
     times = np.arange(0.0, min(float(t[-1]), _LONGEST), 1.0 / _FRAMES)
     theta, ratio, displacement, acceleration = (
         np.interp(times, t, x) for x in (theta, ratio, displacement, acceleration)
     )
     outcomes = [rows[0].get(f"outcome{suffix}") for suffix in ("", "_nonlinear")]
     falls = any(one.overturned and one.flag in outcomes for one in Outcome)
-    return Track(times, theta, ratio, displacement, acceleration, falls)
-
-
-def _integral(y: np.ndarray, t: np.ndarray) -> np.ndarray:
-    """Return the integral of y over t from the first time on, by the trapezoidal
-    rule.
-    """
-    areas = 0.5 * (y[1:] + y[:-1]) * np.diff(t)
-    return np.concatenate([[0.0], np.cumsum(areas)])
+    later = np.minimum.accumulate(np.abs(ratio)[::-1])[::-1]  # least from there on
+    return Track(times, theta, displacement, acceleration, falls & (later >= 1.0))
 
 
 def _frames(sketch: Sketch, course: Track, words: str, look: Look) -> list[Any]:
@@ -136,104 +136,55 @@ def _frames(sketch: Sketch, course: Track, words: str, look: Look) -> list[Any]:
 
 
 class _Stage:
-    """The axes of an animation and what moves on them."""
+    """The axes of an animation, with room for every displacement of the ground, and
+    what moves on them.
+    """
 
     def __init__(
         self, figure: Figure, sketch: Sketch, course: Track, words: str
     ) -> None:
-        """The axes have room for every displacement of the ground."""
         from matplotlib.collections import PolyCollection
+        from matplotlib.transforms import Affine2D
 
-        self.sketch, self.course = sketch, course
+        self.sketch, self.course, self.shift = sketch, course, Affine2D()
         axes, below = figure.subplots(2, 1, height_ratios=(5.0, 1.0))
-        left, right, self.low, reach = _set_room(axes, sketch, course.ground)
+        corners = np.concatenate([*sketch.bodies, *sketch.still, *sketch.moved])
+        (left, low), (right, high) = corners.min(axis=0), corners.max(axis=0)
+        reach = 0.4 * (high - low)
+        x = left + course.ground.min() - reach, right + course.ground.max() + reach
+        z = low - 0.1 * reach, high + 0.3 * reach
+        axes.set(aspect="equal", xlabel="$x$ [m]", ylabel="$z$ [m]", xlim=x, ylim=z)
+        axes.grid(visible=False)
         axes.set_title(fill(words, 60), fontsize="small")
+        figure.set_size_inches(5.6, 2.2 + 5.0 * min(1.5, np.ptp(z) / np.ptp(x)))
+        on_ground: dict[str, Any] = {"transform": self.shift + axes.transData}
         self.stone, self.still = (
-            PolyCollection([], facecolors=face, edgecolors=INK, linewidths=0.9)
+            PolyCollection([], fc=face, ec=INK, linewidths=0.9, **on_ground)
             for face in (STONE, GROUND)
         )
         if sketch.gyration:  # its circle is no outline
             self.stone.set(facecolor="none", linestyles="--")
-        axes.add_collection(self.stone)
-        axes.add_collection(self.still)
-        (self.floor,) = axes.plot([], [], color=INK, lw=1.2, marker="|", ms=6.0)
-        self.ticks = np.linspace(left - reach, right + reach, 12)  # of the floor
+        for parts in (self.stone, self.still):
+            axes.add_artist(parts)
+        ticks = np.linspace(left - reach, right + reach, 12)
+        on_ground |= {"color": INK, "lw": 1.2, "marker": "|", "ms": 6.0}
+        (floor,) = axes.plot(ticks, np.full(ticks.size, low), **on_ground)
         self.clock = axes.text(0.02, 0.97, "", transform=axes.transAxes, va="top")
         self.trace = course.acceleration / DEFAULT_GRAVITY
         below.plot(course.times, self.trace, color="0.3", lw=0.9)
         below.set(xlabel="time [s]", ylabel=r"$\ddot{x}_g$ [g]")
         (self.now,) = below.plot([], [], "o", color=ACCENT, ms=5.0)
-        self.moving = (self.still, self.stone, self.floor, self.clock, self.now)
+        self.moving = (self.still, self.stone, floor, self.clock, self.now)
         for artist in self.moving:
             artist.set_animated(True)
-        shape = float(np.diff(axes.get_ylim())[0] / np.diff(axes.get_xlim())[0])
-        figure.set_size_inches(5.6, 2.2 + 5.0 * min(1.5, shape))
 
     def show(self, frame: int) -> None:
         """Show the body, the ground and its acceleration at a time of the course."""
         course = self.course
-        time, theta, ratio, x = (
-            float(values[frame])
-            for values in (course.times, course.theta, course.ratio, course.ground)
-        )
-        posed = self.sketch.pose(theta) if self.sketch.pose else None
-        moving, staying = posed or (
-            shape_at(self.sketch, theta, ratio),
-            list(self.sketch.still),
-        )
-        self.stone.set_verts([np.add(outline, (x, 0.0)) for outline in moving])
-        self.still.set_verts([np.add(outline, (x, 0.0)) for outline in staying])
-        self.floor.set_data(self.ticks + x, np.full(self.ticks.size, self.low))
-        falling = course.falls and bool(np.all(np.abs(course.ratio[frame:]) >= 1.0))
-        self.clock.set_text(f"{time:.1f} s" + ", falls" * falling)
+        time = float(course.times[frame])
+        self.shift.clear().translate(float(course.ground[frame]), 0.0)
+        moving, staying = self.sketch.posed(float(course.theta[frame]))
+        self.stone.set_verts(moving)
+        self.still.set_verts(staying)
+        self.clock.set_text(f"{time:.1f} s" + ", falls" * bool(course.fallen[frame]))
         self.now.set_data([time], [self.trace[frame]])
-
-
-def _set_room(
-    axes: Axes, sketch: Sketch, ground: np.ndarray
-) -> tuple[float, float, float, float]:
-    """Give the axes room for the sketch on the displaced ground; return (left, right,
-    bottom of the sketch, margin beside it [m]).
-    """
-    outlines = (*sketch.bodies, *sketch.still, *sketch.moved)
-    corners = np.concatenate([np.array(outline) for outline in outlines])
-    (left, low), (right, high) = corners.min(axis=0), corners.max(axis=0)
-    reach = 0.4 * (high - low)
-    axes.set(
-        aspect="equal",
-        xlabel="$x$ [m]",
-        ylabel="$z$ [m]",
-        xlim=(left + ground.min() - reach, right + ground.max() + reach),
-        ylim=(low - 0.1 * reach, high + 0.3 * reach),
-    )
-    axes.grid(visible=False)
-    return left, right, low, reach
-
-
-def _as_gif(frames: Sequence[Any]) -> bytes:
-    """Return the images as one GIF that repeats."""
-    drawn = io.BytesIO()
-    frames[0].save(
-        drawn,
-        format="gif",
-        save_all=True,
-        append_images=frames[1:],
-        duration=1000 // _FRAMES,
-        loop=0,
-    )
-    return drawn.getvalue()
-
-
-def shape_at(sketch: Sketch, angle: float, share: float) -> list[Outline]:
-    """Return the outlines of the bodies at theta = `angle` = `share` alpha; a linkage
-    is interpolated between rest and alpha.
-    """
-    if sketch.centre is not None:
-        about = dict(sketch.pivots)["right" if angle > 0.0 else "left"]
-        return [turned(outline, about, angle) for outline in sketch.bodies]
-    sign = -1.0 if share < 0.0 else 1.0  # the mirror image of the mechanism
-    mixed = [
-        np.array(a) + abs(share) * (np.array(b) - np.array(a))
-        for a, b in zip(sketch.bodies, sketch.moved, strict=True)
-    ]
-    return [tuple((sign * x, z) for x, z in outline.tolist()) for outline in mixed]

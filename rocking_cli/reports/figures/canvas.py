@@ -22,6 +22,7 @@ from ...documents.files import whole_text
 from ...errors import ArgumentError, OutputError, UsageError
 from ...plugins import require
 from ...publishing import check_target, published
+from ...structures.parameters import RockingParameters
 from ..rows import Rows, column, groups
 from ..units import Units, parse_units
 
@@ -112,6 +113,7 @@ class Look:
     dpi: dots per inch
     title: text above the figure
     style: a style file of matplotlib
+    natural: width of the figure without a choice [inches], for which its texts are made
 
     Examples
     --------
@@ -126,16 +128,15 @@ class Look:
     dpi: float | None = None  # dots per inch
     title: str | None = None  # text above the figure
     style: str | Path | None = None  # a style file of matplotlib
+    natural: float = WIDTH  # of the figure without a choice [inches], for its texts
 
-    def finish(self, figure: Figure, natural: float = WIDTH) -> None:
+    def finish(self, figure: Figure) -> None:
         """Give a figure its title, that of the only panel or above all, and its size.
 
         Parameters
         ----------
         figure
             a Figure of matplotlib
-        natural
-            the width [inches] for which its texts were made
         """
         if self.title is not None and len(figure.axes) == 1:
             figure.axes[0].title.set_text(literal(self.title))
@@ -143,16 +144,11 @@ class Look:
             figure.suptitle(literal(self.title))
         if self.width is not None:
             width, height = figure.get_size_inches()
-            share = max(self.text_share(natural), self.width / _INCH / width)
+            share = max(self.text_share(), self.width / _INCH / width)
             figure.set_size_inches(self.width / _INCH, height * share)
 
-    def text_share(self, natural: float = WIDTH) -> float:
+    def text_share(self) -> float:
         """Return the factor of the text size in a figure that is wide by itself.
-
-        Parameters
-        ----------
-        natural
-            the width [inches] of the figure without a choice
 
         Returns
         -------
@@ -161,7 +157,7 @@ class Look:
         """
         if self.width is None:
             return 1.0
-        return min(1.0, max(0.6, self.width / _INCH / natural))
+        return min(1.0, max(0.6, self.width / _INCH / self.natural))
 
 
 def is_own(axes: Axes) -> bool:
@@ -191,12 +187,11 @@ def require_axes(target: Any) -> Axes:
 
 
 @contextmanager
-def styled(look: Look, instead: str = "", natural: float = WIDTH) -> Iterator[Figure]:
-    """Context of an empty figure in the common style; instead: an alternative without
-    matplotlib; natural: as in `canvas`. Raises OutputError without matplotlib, and
-    UsageError if the style file cannot be read.
+def styled(look: Look) -> Iterator[Figure]:
+    """Context of an empty figure in the common style. Raises OutputError without
+    matplotlib, and UsageError if the style file cannot be read.
     """
-    require(*DRAWN_WITH, instead=instead)
+    require(*DRAWN_WITH)
     import matplotlib as mpl
     from matplotlib.figure import Figure
 
@@ -208,7 +203,7 @@ def styled(look: Look, instead: str = "", natural: float = WIDTH) -> Iterator[Fi
                 raise UsageError(
                     f"{look.style}: cannot be read as a style of matplotlib: {error}"
                 ) from None
-        mpl.rcParams["font.size"] *= look.text_share(natural)
+        mpl.rcParams["font.size"] *= look.text_share()
         figure = Figure(figsize=(WIDTH, 4.0))
         _OWN.add(figure)
         yield figure
@@ -221,20 +216,17 @@ def canvas(
     *,
     look: Look | None = None,
     tell: Callable[[str], None] | None = None,
-    instead: str = "",
-    natural: float = WIDTH,
 ) -> Iterator[Figure]:
     """Context of a `styled` figure, written to `target` at its end; tell: called with
-    the characters that the font lacks; natural: the width [inches] of the figure if the
-    look chooses none. Raises UsageError for a target that cannot or
+    the characters that the font lacks. Raises UsageError for a target that cannot or
     must not be written, before anything is drawn, and OutputError.
     """
     target, look = Path(target), look or Look()
     check_target(target, overwrite)
-    with styled(look, instead, natural) as figure:
+    with styled(look) as figure:
         _require_format(figure, target)
         yield figure
-        drawn, missing = drawn_as(figure, target, look, natural)
+        drawn, missing = drawn_as(figure, target, look)
     if missing and tell is not None:
         tell(f"{target}: the font of the figure has no {missing}; boxes stand there")
     with published(target, overwrite) as file:
@@ -251,13 +243,11 @@ def _require_format(figure: Figure, target: Path) -> None:
         )
 
 
-def drawn_as(
-    figure: Figure, target: Path, look: Look, natural: float = WIDTH
-) -> tuple[bytes, str]:
+def drawn_as(figure: Figure, target: Path, look: Look) -> tuple[bytes, str]:
     """Return (the figure in the format of `target`, the characters that its font
-    lacks); natural: as in `canvas`. Raises OutputError.
+    lacks). Raises OutputError.
     """
-    look.finish(figure, natural)
+    look.finish(figure)
     form, drawn = target.suffix[1:].lower(), io.BytesIO()
     # that of a map inside an SVG or PDF
     dpi = look.dpi or (600 if form in _UNDATED else figure.dpi)
@@ -317,15 +307,14 @@ def valued(column: str, value: float, units: Units) -> str:
     return f"{short} = {value / factor:.4g} {PLAIN.get(unit, unit)}".rstrip()
 
 
-def titled(name: str, eta: float) -> str:
+def titled(structure: RockingParameters) -> str:
     """Return the name of a structure and its eta; only eta if the name already states
     it, as for a dimensionless oscillator.
     """
-    return (
-        rf"$\eta$ = {eta:.4g}"
-        if name == f"eta={eta:g}"
-        else rf"{literal(name)}, $\eta$ = {eta:.4g}"
-    )
+    words = rf"$\eta$ = {structure.eta:.4g}"
+    if structure.name == f"eta={structure.eta:g}":
+        return words
+    return f"{literal(structure.name)}, {words}"
 
 
 def heading(rows: Rows, units: Units, *keys: str) -> str:
@@ -346,7 +335,7 @@ def heading(rows: Rows, units: Units, *keys: str) -> str:
 
 def _same(rows: Rows, key: str) -> str:
     """Return the text of a column that is the same in all rows, else an empty one."""
-    return rows[0].get(key, "") if len(groups(rows, key)) == 1 else ""
+    return (rows[0].get(key) or "") if len(groups(rows, key)) == 1 else ""
 
 
 def _demand(rows: Rows, units: Units) -> str:
@@ -355,7 +344,7 @@ def _demand(rows: Rows, units: Units) -> str:
     """
     found = []
     for keys in (("a_g", "demand_a", "demand_A"), ("omega_g", "Omega")):
-        key = next((key for key in keys if rows[0].get(key)), None)
+        key = next((key for key in keys if rows[0].get(key) is not None), None)
         values = column(rows, key) if key else np.zeros(0)
         # the last digits of one demand differ between structures
         if key and np.ptp(values) <= 1e-9 * np.max(values):

@@ -5,23 +5,20 @@ its capacity curve a over d with limit states.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
-from pathlib import Path
+from collections.abc import Mapping, Sequence
 from textwrap import fill
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ...digits import rounded_down
 from ...documents.quantities import DEFAULT_GRAVITY
 from ...dynamics.outcome import Outcome
-from ...errors import ArgumentError, UsageError
+from ...errors import UsageError
 from ..tables import Above
 from .canvas import (
     Axes,
     Figure,
-    Look,
-    canvas,
     is_own,
     literal,
     motion_in_words,
@@ -39,108 +36,42 @@ _MM = 1000.0
 _TITLE = 60  # characters of a line of a title, beside long names
 
 
-def draw_capacities(
-    verdicts: Sequence[Verdict],
-    target: str | Path,
-    *,
-    in_g: bool = False,
-    look: Look | None = None,
-    overwrite: bool = True,
-    tell: Callable[[str], None] | None = None,
-) -> None:
-    """Draw the capacities and demands of a check into a PNG, SVG or PDF file.
-
-    Parameters
-    ----------
-    verdicts
-        one or more, of `check`
-    target
-        the file to write
-    in_g
-        True: accelerations in g, else in m/s2
-    look
-        size, title and style, None for the figure's own
-    overwrite
-        False: an existing file is an error
-    tell
-        called with the characters that the font lacks
-
-    Raises
-    ------
-    UsageError
-        for another kind of file, or one that exists
-    OutputError
-        when the file cannot be written or matplotlib is not installed
-
-    Examples
-    --------
-    >>> (arch,) = load_structures("configs/parameters.yaml")
-    >>> verdict = check(arch, sine(), parse_grid("a_g=0.35g,f_g=1.5"))
-    >>> draw_capacities([verdict], "capacity.svg")
-    """
-    with canvas(target, overwrite, look=look, tell=tell) as figure:
-        capacities(figure, verdicts, in_g)
-
-
 def checked(figure: Figure, rows: Rows, units: Units) -> list[Axes]:
-    """Draw the rows of `rocking check --csv`. Raises ArgumentError if a row states
-    neither its demand nor its capacity.
-    """
-    return [
-        capacities(
-            figure, [_verdict(row) for row in rows], units.of("acceleration")[0] == "g"
-        )
-    ]
+    """Draw the rows of `rocking check --csv`."""
+    return capacities(figure, list(map(_verdict, rows)), units)
 
 
-def _verdict(row: dict[str, str]) -> Verdict:
-    """Return the verdict of a row of the CSV of check."""
+def _verdict(row: Mapping[str, Any]) -> Verdict:
+    """Return the verdict of a row of `rocking check`."""
     from ...responses.verdict import Verdict
 
-    name = row.get("structure") or row["name"]
-    theta, demand, uplift, first, safe_to, ratio, searched_to, omega_g = (
-        float(row[key]) if row.get(key) else None
+    numbers: dict[str, Any] = {
+        key: None if row.get(key) is None else float(row[key])
         for key in (
             "theta_ratio",
             "demand_a",
             "uplift_a",
             "first_overturning_a",
             "safe_to",
-            "capacity_demand",
             "searched_to",
             "omega_g",
         )
-    )
-    if demand is None:
-        if first is None or ratio is None:
-            raise ArgumentError(
-                f"{name} has no capacity, and no column demand_a states the demand"
-            )
-        demand = first / ratio
-    outcome, linear = (
-        next(o for o in Outcome if o.flag == row[key])
-        for key in ("outcome", "outcome_linear")
-    )
+    }
     return Verdict(
-        name,
-        row["motion"],
-        row["model"],
-        outcome,
-        theta,
-        demand,
-        uplift,
-        first,
-        safe_to,
-        linear,
-        searched_to=searched_to,
-        omega_g=omega_g,
+        structure=row["structure"],
+        motion=row["motion"],
+        model=row["model"],
+        outcome=Outcome[str(row["outcome"]).upper()],
+        outcome_linear=Outcome[str(row["outcome_linear"]).upper()],
+        **numbers,
     )
 
 
-def capacities(figure: Figure, verdicts: Sequence[Verdict], in_g: bool) -> Axes:
+def capacities(figure: Figure, verdicts: Sequence[Verdict], units: Units) -> list[Axes]:
     """Draw for each structure a bar up to its first overturning, if it was found, marks
-    at uplift and demand, and the outcome in words.
+    at uplift and demand, and the outcome in words; in g or in m/s2.
     """
+    in_g = units.of("acceleration")[0] == "g"
     figure.set_size_inches(6.4, 1.6 + 0.32 * len(verdicts))
     axes = figure.add_subplot()
     unit = DEFAULT_GRAVITY if in_g else 1.0
@@ -201,7 +132,7 @@ def capacities(figure: Figure, verdicts: Sequence[Verdict], in_g: bool) -> Axes:
     title = f"capacity over demand: {of}{under}, {' or '.join(models)} equation"
     axes.set_title(fill(literal(title), _TITLE))
     axes.grid(axis="y", visible=False)
-    return axes
+    return [axes]
 
 
 def _at_frequencies(verdicts: Sequence[Verdict]) -> str:
@@ -239,47 +170,14 @@ def _verdict_in_words(v: Verdict) -> str:
     return f"{v.sentence}; no capacity known"
 
 
-def draw_capacity_curves(
-    checks: Sequence[CodeCheck],
-    target: str | Path,
-    *,
-    look: Look | None = None,
-    overwrite: bool = True,
-    tell: Callable[[str], None] | None = None,
-) -> None:
-    """Draw each check by a code in a panel of its own, into a PNG, SVG or PDF file.
-
-    Parameters
-    ----------
-    checks
-        one or more, of `code_check`
-    target
-        the file to write
-    look
-        size, title and style, None for the figure's own
-    overwrite
-        False: an existing file is an error
-    tell
-        called with the characters that the font lacks
-
-    Raises
-    ------
-    UsageError
-        for too many panels, another kind of file, or one that exists
-    OutputError
-        when the file cannot be written or matplotlib is not installed
-
-    Examples
-    --------
-    >>> (column,) = load_structures("configs/block.yaml")
-    >>> found = code_check(column, sine(), parse_grid("a_g=0.3g,T_g=0.4"))
-    >>> draw_capacity_curves([found], "curve.svg")
-    """
-    with canvas(target, overwrite, look=look, tell=tell) as figure:
-        for axes, check in zip(panels(figure, len(checks)), checks, strict=True):
-            capacity_curve(axes, check)
-        width, height = figure.get_size_inches()
-        figure.set_size_inches(1.4 * width, height)  # for the legends
+def capacity_curves(figure: Figure, checks: Sequence[CodeCheck]) -> list[Axes]:
+    """Draw each check by a code in a panel of its own."""
+    drawn = panels(figure, len(checks))
+    for axes, check in zip(drawn, checks, strict=True):
+        capacity_curve(axes, check)
+    width, height = figure.get_size_inches()
+    figure.set_size_inches(1.4 * width, height)  # for the legends
+    return drawn
 
 
 def capacity_curve(axes: Axes, check: CodeCheck) -> None:
@@ -300,29 +198,42 @@ def capacity_curve(axes: Axes, check: CodeCheck) -> None:
     seen = [s_a[s_d <= right].max(initial=0.0) for s_d, s_a in spectra]
     # the plateau of a spectrum far above the capacity is not shown
     top = max(top, min(1.1 * max(seen, default=0.0), 3.0 * top))
-    for i, ((name, at), mark) in enumerate(zip(states.items(), asked, strict=True)):
-        x, y, colour = _MM * at.displacement, at.acceleration / DEFAULT_GRAVITY, f"C{i}"
-        damping = f"demand, {100.0 * at.state.damping:g} %"
-        axes.plot(*spectra[i], lw=1.1, alpha=0.7, label=damping, color=colour)
-        slope = (2.0 * np.pi / at.period) ** 2 / (_MM * DEFAULT_GRAVITY)
+    for i, (name, at) in enumerate(states.items()):
         axes.plot(
-            [0.0, right],
-            [0.0, right * slope],
-            lw=0.9,
-            ls="--",
-            label=f"$T_{{{name}}}$ = {at.period:.3g} s",
-            color=colour,
+            *spectra[i],
+            lw=1.1,
+            alpha=0.7,
+            label=f"demand, {100.0 * at.state.damping:g} %",
+            color=f"C{i}",
         )
-        axes.plot(x, y, "o", ms=5, label=f"$d_{{{name}}}$ = {x:.3g} mm", color=colour)
-        axes.plot(
-            *mark, "x", ms=6, label=f"demand at {name} {mark[0]:.3g} mm", color=colour
-        )
-        axes.plot([x, x], [0.0, y], lw=0.7, ls=":", color=colour)
+        _plot_state(axes, name, at, asked[i], right, f"C{i}")
     axes.set(xlim=(0.0, right), ylim=(0.0, top), xlabel="$d$ [mm]", ylabel="$a$ [g]")
     verdict = ", ".join(map(check.sentence, ("code_slv", "code_slc")))
     title = f"{check.structure}, NTC 2018, {code_demand_in_words([check])}\n{verdict}"
     axes.set_title(literal(title), fontsize="small")
     axes.legend(fontsize="x-small", loc="upper left", bbox_to_anchor=(1.01, 1.0))
+
+
+def _plot_state(
+    axes: Axes,
+    name: str,
+    at: Reached,
+    demand: tuple[float, float],
+    right: float,
+    colour: str,
+) -> None:
+    """Draw a limit state, its secant period up to d = `right`, and a cross at its
+    demand.
+    """
+    x, y = _MM * at.displacement, at.acceleration / DEFAULT_GRAVITY
+    slope = (2.0 * np.pi / at.period) ** 2 / (_MM * DEFAULT_GRAVITY)
+    period = f"$T_{{{name}}}$ = {at.period:.3g} s"
+    secant = [0.0, right], [0.0, right * slope]
+    axes.plot(*secant, lw=0.9, ls="--", label=period, color=colour)
+    axes.plot(x, y, "o", ms=5, label=f"$d_{{{name}}}$ = {x:.3g} mm", color=colour)
+    said = f"demand at {name} {demand[0]:.3g} mm"
+    axes.plot(*demand, "x", ms=6, label=said, color=colour)
+    axes.plot([x, x], [0.0, y], lw=0.7, ls=":", color=colour)
 
 
 def code_demand_in_words(checks: Sequence[CodeCheck]) -> str:

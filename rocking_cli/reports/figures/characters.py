@@ -34,14 +34,13 @@ def text_map(
     head = _signs(str(places[place]), outcomes)
     rows = _spread(y.size - 1, 0, HEIGHT - len(head) - 3)
     columns = _spread(0, x.size - 1, WIDTH - _MARGIN)
-    lines = [
-        f"{y[r]:>9.3g} |"
-        + "".join(SIGNS[Outcome(int(outcomes[r, c]))] for c in columns)
-        for r in rows
-    ]
     return [
         *head,
-        *lines,
+        *(
+            f"{y[r]:>9.3g} |"
+            + "".join(SIGNS[Outcome(int(outcomes[r, c]))] for c in columns)
+            for r in rows
+        ),
         " " * 10 + "+" + "-" * columns.size,
         f"{up:>9}   {across} {x[0]:.4g} to {x[-1]:.4g}",
     ]

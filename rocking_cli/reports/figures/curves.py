@@ -1,7 +1,9 @@
 """Tables drawn as lines: comparisons, families, closed-form curves, accuracy."""
 
+import math
 from collections.abc import Sequence
 from itertools import cycle
+from typing import Any
 
 import numpy as np
 
@@ -193,13 +195,12 @@ def least_amplitudes(
         )
         if "demand_a" in rows[0]:
             _plot_demand(axes, float(column_in(some, "demand_a", units)[0]), demands)
-    name = literal(_common_name(rows, varied[0].removeprefix(VARIED), "structure"))
-    under = heading(rows, units, "motion", "record", "model")
-    axes.set(
-        xlabel=xlabel,
-        ylabel=label(y, units),
-        title="\n".join(filter(None, (name, under))),
-    )
+    words = [
+        literal(_common_name(rows, varied[0].removeprefix(VARIED), "structure")),
+        heading(rows, units, "motion", "record", "model"),
+    ]
+    axes.set_title("\n".join(filter(None, words)))
+    axes.set(xlabel=xlabel, ylabel=label(y, units))
     axes.set_ylim(bottom=0.0)
     legend(axes)
     return [axes]
@@ -209,15 +210,16 @@ def _with_equal_frequencies(rows: Rows) -> str:
     """Return the column of frequencies, empty without one. Its last digits, which
     differ between structures, are rounded away in the rows.
     """
-    name = next((key for key in ("omega_g", "Omega") if rows[0].get(key)), "")
+    names = ("omega_g", "Omega")
+    name = next((key for key in names if rows[0].get(key) is not None), "")
     for row in rows if name else ():
         row[name] = f"{float(row[name]):.9g}"
     return name
 
 
-def _first(rows: Rows, y: str) -> dict[str, str]:
+def _first(rows: Rows, y: str) -> dict[str, Any]:
     """Return the row with the least number in a column; without a number last."""
-    return min(rows, key=lambda row: float(row[y] or "inf"))
+    return min(rows, key=lambda row: math.inf if row[y] is None else float(row[y]))
 
 
 def _plot_demand(axes: Axes, demand: float, drawn: set[float]) -> None:
@@ -264,7 +266,7 @@ def _abscissa(rows: Rows, varied: list[str], over: str | None) -> tuple[str, lis
         text = f"{' / '.join(keys).replace('_', ' ')} [-]"
         others = [headings[1], *others]
     for row, value in zip(rows, x.tolist(), strict=True):
-        row[_X] = repr(value)
+        row[_X] = value
     return text, others
 
 

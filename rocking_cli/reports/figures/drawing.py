@@ -3,7 +3,8 @@ hinges, mass centre, alpha, and cracks.
 """
 
 import math
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
 from textwrap import fill
 from typing import Any
@@ -12,7 +13,7 @@ from ...errors import DocumentError, UsageError
 from ...structures.given import Structure, structures_from
 from ...structures.kinds import sketch_of
 from ...structures.parameters import RockingParameters, weaker_side
-from ...structures.sketch import Point, Sketch, rectangle
+from ...structures.sketch import Dimension, Point, Sketch, rectangle
 from ..units import Units
 from .canvas import (
     Axes,
@@ -89,8 +90,8 @@ def draw_structures(
         structure_axes(require_axes(target), *found[0], units or Units())
         return target
     across = panels_across(len(found))
-    natural = _WIDTH * across
-    with canvas(target, overwrite, look=look, tell=tell, natural=natural) as figure:
+    look = replace(look or Look(), natural=_WIDTH * across)
+    with canvas(target, overwrite, look=look, tell=tell) as figure:
         drawn = panels(figure, len(found))
         units = units or Units()
         sizes = [_size(sketch) for _, sketch in found]
@@ -144,21 +145,22 @@ def structure_axes(
     which False leaves R alone.
     """
     unit, metre = units.of("length")
-    ground = _ground(sketch, metre)
-    ink = _ink_of(sketch, metre).with_lines(ground)
-    _fill_outlines(axes, sketch, metre)
-    named = _plot_lines(axes, sketch, metre)
-    named += _draw_arrows(axes, sketch, ink, metre)
-    _mark_pivots(axes, sketch, ink, metre)
+    sketch = sketch.in_unit(metre)
+    ground = _ground(sketch)
+    ink = _ink_of(sketch).with_lines(ground)
+    _fill_outlines(axes, sketch)
+    named = _plot_lines(axes, sketch)
+    named += _draw_arrows(axes, sketch, ink)
+    _mark_pivots(axes, sketch, ink)
     base = min(z for _, z in ground)
     _plot_ground(axes, ground)
     if built.one_sided:
-        _hatch_backing(axes, sketch, base, metre)
-    _plot_dimensions(axes, sketch, base, metre, unit)
+        _hatch_backing(axes, sketch, base)
+    _plot_dimensions(axes, sketch, base, unit)
     radius = ""
     # under a load that it does not carry a body turns by another angle than that of R
     if sketch.centre is not None and built.mechanism is None:
-        length = _mass_centre(axes, built, sketch, ink, metre)
+        length = _mass_centre(axes, built, sketch, ink)
         radius = f"$R$ = {length:.3g} {unit}"
     if named:
         _name_lines(axes, named, ink)
@@ -194,21 +196,16 @@ _STYLES: dict[str, dict[str, Any]] = {
 }
 
 
-def _in_unit(points: Iterable[Point], metre: float) -> list[Point]:
-    """Return points in the unit of the axes; metre: that unit in m."""
-    return [(x / metre, z / metre) for x, z in points]
-
-
-def _fill_outlines(axes: Axes, sketch: Sketch, metre: float) -> None:
+def _fill_outlines(axes: Axes, sketch: Sketch) -> None:
     """Draw the parts that stay, the bodies at rest and at alpha, and cavities."""
     for group, style in _STYLES.items():
         outlines = getattr(sketch, group)
         if sketch.gyration and group in ("bodies", "moved"):
             circle, *outlines = outlines
             if group == "bodies":
-                _plot_gyration(axes, _in_unit(circle, metre))
+                _plot_gyration(axes, circle)
         for outline in outlines:
-            x, z = zip(*_in_unit(outline, metre), strict=True)
+            x, z = zip(*outline, strict=True)
             if len(x) > 2:
                 axes.fill(x, z, **style)
                 continue
@@ -239,7 +236,7 @@ def _plot_gyration(axes: Axes, circle: Sequence[Point]) -> None:
 
 
 def _size(sketch: Sketch) -> float:
-    """Return the larger of width and height of the drawing [m]."""
+    """Return the larger of width and height of the drawing."""
     outlines = (*sketch.bodies, *sketch.still, *sketch.moved)
     xs, zs = zip(*(point for outline in outlines for point in outline), strict=True)
     return max(max(xs) - min(xs), max(zs) - min(zs))
@@ -271,41 +268,14 @@ def _plot_scale_bar(axes: Axes, most: float, units: Units) -> None:
     )
 
 
-def _plot_dimensions(
-    axes: Axes, sketch: Sketch, base: float, metre: float, unit: str
-) -> None:
-    """Draw lines of dimension: the width at the foot and the height, of a body known by
-    its mass centre those of the edges and the centre; base: z in the unit of the axes.
-    """
-    if sketch.dimensions:
-        _plot_stated(axes, sketch, base, metre, unit)
-        return
-    points = [point for outline in sketch.bodies for point in outline]
-    foot = min(z for _, z in points) / metre
-    feet = [x / metre for x, z in points if abs(z / metre - foot) < 1e-9]
-    top = max(z for _, z in points) / metre
-    if sketch.gyration and sketch.centre is not None:
-        top = sketch.centre[1] / metre
-    edge = axes.dataLim.x0
-    away = 0.06 * max(axes.dataLim.width, axes.dataLim.height)
-    if len(feet) > 1:
-        ends = ((min(feet), base - away), (max(feet), base - away))
-        _plot_dimension(axes, *ends, f"{max(feet) - min(feet):.3g} {unit}")
-    ends = ((edge - away, foot), (edge - away, top))
-    _plot_dimension(axes, *ends, f"{top - foot:.3g} {unit}", rotation=90.0)
-    axes.update_datalim([(edge - 2.5 * away, base - 2.0 * away)])
-
-
-def _plot_stated(
-    axes: Axes, sketch: Sketch, base: float, metre: float, unit: str
-) -> None:
-    """Draw the lines of the dimensions that a sketch states, and its remark; base: z in
-    the unit of the axes.
+def _plot_dimensions(axes: Axes, sketch: Sketch, base: float, unit: str) -> None:
+    """Draw the lines of the dimensions, and the remark of a sketch; base: z below which
+    those of horizontal lengths stand.
     """
     edge = axes.dataLim.x0
     away = 0.06 * max(axes.dataLim.width, axes.dataLim.height)
-    for one in sketch.dimensions:
-        (x0, z0), (x1, z1) = (_in_unit([p], metre)[0] for p in (one.start, one.end))
+    for one in sketch.dimensions or _foot_and_height(sketch):
+        (x0, z0), (x1, z1) = one.start, one.end
         upright = x0 == x1
         if one.beside and upright:
             x0 = x1 = edge - away
@@ -325,6 +295,21 @@ def _plot_stated(
             fontsize="x-small",
         )
     axes.update_datalim([(edge - 2.5 * away, base - 2.0 * away)])
+
+
+def _foot_and_height(sketch: Sketch) -> list[Dimension]:
+    """Return the width at the foot and the height of a body; of one that is known by
+    its mass centre those of the edges and the centre.
+    """
+    points = [point for outline in sketch.bodies for point in outline]
+    foot, top = (end(z for _, z in points) for end in (min, max))
+    feet = [x for x, z in points if abs(z - foot) < 1e-9]
+    if sketch.gyration and sketch.centre is not None:
+        top = sketch.centre[1]
+    height = Dimension((0.0, foot), (0.0, top))
+    if len(feet) < 2:
+        return [height]
+    return [Dimension((min(feet), foot), (max(feet), foot)), height]
 
 
 def _plot_dimension(
@@ -354,15 +339,14 @@ def _plot_dimension(
     )
 
 
-def _ground(sketch: Sketch, metre: float) -> list[Point]:
-    """Return the ground below a sketch, from left to right in the unit of the axes:
-    level, or through the feet of the bodies that stand on it at several heights.
+def _ground(sketch: Sketch) -> list[Point]:
+    """Return the ground below a sketch, from left to right: level, or through the feet
+    of the bodies that stand on it at several heights.
     """
-    whole = [_in_unit(one, metre) for one in (*sketch.bodies, *sketch.still)]
-    pivots = _in_unit((point for _, point in sketch.pivots), metre)
-    size = _size(sketch) / metre
+    whole = (*sketch.bodies, *sketch.still)
+    size = _size(sketch)
     base = min(z for outline in whole for _, z in outline)
-    found = _feet(whole, pivots, _NEAR * size)
+    found = _feet(whole, [point for _, point in sketch.pivots], _NEAR * size)
     if all(z - base < _NEAR * size for _, z in found):
         found = sorted((x, base) for outline in whole for x, _ in outline)
     (first, left), (last, right) = found[0], found[-1]
@@ -406,45 +390,38 @@ def _plot_ground(axes: Axes, ground: Sequence[Point]) -> None:
     axes.add_artist(Line2D(x, z, color=INK, lw=1.2, zorder=0.5, label="_ground"))
 
 
-def _ink_of(sketch: Sketch, metre: float) -> Ink:
-    """Return the outlines and lines of a sketch in the unit of the axes."""
+def _ink_of(sketch: Sketch) -> Ink:
+    """Return the outlines and lines of a sketch."""
     outlines = (*sketch.bodies, *sketch.still, *sketch.moved, *sketch.hollows)
     lines = [course for _, course in (*sketch.lines, *sketch.arrows)]
-    return Ink(
-        [_in_unit(outline, metre) for outline in outlines],
-        [_in_unit(line, metre) for line in lines],
-    )
+    return Ink(outlines, lines)
 
 
-def _plot_lines(axes: Axes, sketch: Sketch, metre: float) -> list[tuple[str, Point]]:
+def _plot_lines(axes: Axes, sketch: Sketch) -> list[tuple[str, Point]]:
     """Draw other lines, such as cracks; return the name and the upper end of the first
     of each name.
     """
     named: dict[str, Point] = {}
     for label, course in sketch.lines:
-        points = _in_unit(course, metre)
         image = label.startswith("its ")  # of a line before
         axes.plot(
-            *zip(*points, strict=True),
+            *zip(*course, strict=True),
             color=ACCENT,
             lw=0.8 if image else 1.6,
             ls=":" if image else "-",
             label=label,
         )
         if not image and not label.startswith("_"):
-            named.setdefault(label, max(points, key=lambda point: point[::-1]))
+            named.setdefault(label, max(course, key=lambda point: point[::-1]))
     return list(named.items())
 
 
-def _draw_arrows(
-    axes: Axes, sketch: Sketch, ink: Ink, metre: float
-) -> list[tuple[str, Point]]:
+def _draw_arrows(axes: Axes, sketch: Sketch, ink: Ink) -> list[tuple[str, Point]]:
     """Draw the arrows, such as loads, each with its text at the tail; return the texts
     and tails of those whose tail lies on a body.
     """
     covered = []
-    for label, ends in sketch.arrows:
-        tail, head = _in_unit(ends, metre)
+    for label, (tail, head) in sketch.arrows:
         axes.plot(*zip(tail, head, strict=True), color=ACCENT, lw=1.6, label=label)
         axes.annotate(
             "",
@@ -501,11 +478,10 @@ def _name_lines(axes: Axes, named: Sequence[tuple[str, Point]], ink: Ink) -> Non
         axes.update_datalim([(right + _LETTER * size * len(name), height)])
 
 
-def _mark_pivots(axes: Axes, sketch: Sketch, ink: Ink, metre: float) -> None:
+def _mark_pivots(axes: Axes, sketch: Sketch, ink: Ink) -> None:
     """Draw the pivots, and the numbers of hinges."""
-    away = _BESIDE * _size(sketch) / metre
-    for name, point in sketch.pivots:
-        ((x, z),) = _in_unit((point,), metre)
+    away = _BESIDE * _size(sketch)
+    for name, (x, z) in sketch.pivots:
         axes.plot(x, z, "o", color=ACCENT, ms=4.5, label=f"_pivot {name}")
         if name.isdigit():
             place = ink.clearest((x, z), away, math.pi / 4)
@@ -520,12 +496,10 @@ def _mark_pivots(axes: Axes, sketch: Sketch, ink: Ink, metre: float) -> None:
             )
 
 
-def _hatch_backing(axes: Axes, sketch: Sketch, base: float, metre: float) -> None:
-    """Draw the backing of a one-sided body, on its left; base: z in the unit of the
-    axes.
-    """
-    left = min(x for outline in sketch.bodies for x, _ in outline) / metre
-    top = max(z for outline in sketch.bodies for _, z in outline) / metre
+def _hatch_backing(axes: Axes, sketch: Sketch, base: float) -> None:
+    """Draw the backing of a one-sided body, on its left; base: z of its foot."""
+    left = min(x for outline in sketch.bodies for x, _ in outline)
+    top = max(z for outline in sketch.bodies for _, z in outline)
     wall = rectangle(left - 0.15 * top, left, base, top)
     axes.fill(
         *zip(*wall, strict=True),
@@ -538,16 +512,14 @@ def _hatch_backing(axes: Axes, sketch: Sketch, base: float, metre: float) -> Non
 
 
 def _mass_centre(
-    axes: Axes, built: RockingParameters, sketch: Sketch, ink: Ink, metre: float
+    axes: Axes, built: RockingParameters, sketch: Sketch, ink: Ink
 ) -> float:
     """Draw the mass centre, and R and alpha at the weaker edge, or the right one;
-    return R in the unit of the axes.
+    return R.
     """
     assert sketch.centre is not None
     side = weaker_side(built.sides).side if built.sides else "right"
-    (px, pz), (cx, cz) = (
-        (x / metre, z / metre) for x, z in (dict(sketch.pivots)[side], sketch.centre)
-    )
+    (px, pz), (cx, cz) = dict(sketch.pivots)[side], sketch.centre
     axes.plot(cx, cz, "P", color="k", ms=7, mec="w", mew=0.8, label="_mass centre")
     if sketch.gyration:
         axes.annotate(
@@ -560,18 +532,18 @@ def _mass_centre(
         )
     axes.plot([px, cx], [pz, cz], color=INK, lw=0.9, label="_R")
     axes.plot([px, px], [pz, cz], color=INK, lw=0.9, ls=":", label="_vertical")
-    return _arc_of_alpha(axes, (px, pz), (cx, cz), _size(sketch) / metre, ink)
+    return _arc_of_alpha(axes, (px, pz), (cx, cz), _size(sketch), ink)
 
 
 def _arc_of_alpha(
     axes: Axes,
-    pivot: tuple[float, float],
-    centre: tuple[float, float],
+    pivot: Point,
+    centre: Point,
     size: float,
     ink: Ink,
 ) -> float:
-    """Draw alpha between the vertical at a pivot and the mass centre; return R, in the
-    unit of the axes. size: size of the structure there.
+    """Draw alpha between the vertical at a pivot and the mass centre; return R. size:
+    that of the structure.
     """
     (px, pz), (cx, cz) = pivot, centre
     # alpha is signed: negative towards the left

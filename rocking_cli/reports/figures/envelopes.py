@@ -2,9 +2,11 @@
 panel for each structure.
 """
 
+from __future__ import annotations
+
 from collections.abc import Iterable, Iterator
 from itertools import pairwise
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -23,6 +25,9 @@ from .canvas import (
     valued,
 )
 from .colours import COLOURS
+
+if TYPE_CHECKING:
+    from matplotlib.patches import Patch
 
 _MODES = {o.mode: o for o in Outcome}
 # each combination of their values has its panel
@@ -46,70 +51,59 @@ def bands(figure: Figure, rows: Rows, units: Units) -> list[Axes]:
     """Draw overturning amplitudes over frequency, where overlapping intervals are
     joined, over T = 2 pi/p, or of each record.
     """
+    from matplotlib.patches import Patch
+
     over = next(
         key
         for key in ("omega_g", "Omega", "T", "record")
-        if all(row.get(key) for row in rows)
+        if all(row.get(key) is not None for row in rows)
     )
     amplitude = "a" if over in ("omega_g", "record") else "A"
-    found = groups(rows, *(key for key in _APART if key != over))
-    records = (
-        list(dict.fromkeys(row["record"] for row in rows)) if over == "record" else []
-    )
+    apart = [key for key in _APART if key != over]
+    found = groups(rows, *apart)
+    records = list(dict.fromkeys(row[over] for row in rows if over == "record"))
     drawn = panels(figure, len(found))
     most = _reach(found.values(), over, units) if amplitude == "a" else None
-    entries: dict[str, Any] = {}
+    entries: dict[Outcome, Patch] = {}
     for axes, some in zip(drawn, found.values(), strict=True):
-        x = (
-            np.array([float(records.index(row["record"])) for row in some])
-            if records
-            else column_in(some, over, units)
-        )
-        places = sorted(set(x.tolist()))
-        entries |= _draw(
-            axes,
-            some,
-            (f"{amplitude}_from", f"{amplitude}_to"),
-            x,
-            units,
-            [] if over in _WIDTHS else places,
-            _WIDTHS.get(over, 1.0),
-        )
+        x = _abscissa(axes, some, over, records, units)
+        entries |= _draw(axes, some, amplitude, x, over, units)
         _stop_at(axes, most, units)
-        if records:
-            axes.set_xticks(
-                range(len(records)),
-                [literal(record) for record in records],
-                rotation=45.0,
-                ha="right",
-            )
-            axes.set(xlim=(-0.5, len(records) - 0.5))
-        else:
-            # beyond the ends nothing is known
-            bars = over in _WIDTHS or len(places) < 2
-            margin = (0.02 * (places[-1] - places[0]) or 0.5) * bars
-            axes.set(
-                xlim=(places[0] - margin, places[-1] + margin),
-                xlabel=label(over, units),
-            )
-        names = [
-            (key, some[0][key])
-            for key in _APART[:-1]
-            if key != over and some[0].get(key)
-        ]
-        title = ", ".join(
-            valued(key, float(text), units) if key == "alpha" else literal(text)
-            for key, text in names
-        )
-        title = "\n".join(
-            filter(None, (title, heading(some, units, "motion", "model")))
-        )
-        axes.set(ylabel=label("a_g" if amplitude == "a" else "A", units), title=title)
-    from matplotlib.patches import Patch
-
+        axes.set_ylabel(label("a_g" if amplitude == "a" else "A", units))
+        axes.set_title(_title(some, apart, units))
     stands = Patch(facecolor="white", edgecolor="0.5", label="stands")
     legend(drawn[0], [*entries.values(), stands])
     return drawn
+
+
+def _abscissa(
+    axes: Axes, some: Rows, over: str, records: list[str], units: Units
+) -> np.ndarray:
+    """Give the axes their abscissa, and return the place of each row on it."""
+    if records:
+        names = list(map(literal, records))
+        axes.set_xticks(range(len(names)), names, rotation=45.0, ha="right")
+        axes.set_xlim(-0.5, len(names) - 0.5)
+        return np.array([float(records.index(row["record"])) for row in some])
+    x = column_in(some, over, units)
+    first, last = float(x.min()), float(x.max())
+    # beyond the ends nothing is known
+    margin = (0.02 * (last - first) or 0.5) * (over in _WIDTHS or first == last)
+    axes.set(xlim=(first - margin, last + margin), xlabel=label(over, units))
+    return x
+
+
+def _title(some: Rows, apart: list[str], units: Units) -> str:
+    """Return the title of a panel; apart: the columns that its rows share."""
+    names = [
+        valued(key, float(some[0][key]), units)
+        if key == "alpha"
+        else literal(some[0][key])
+        for key in apart
+        if key != "model" and some[0].get(key)
+    ]
+    under = heading(some, units, "motion", "model")
+    return "\n".join(filter(None, (", ".join(names), under)))
 
 
 def _reach(found: Iterable[Rows], over: str, units: Units) -> float | None:
@@ -152,53 +146,50 @@ def _stop_at(axes: Axes, most: float | None, units: Units) -> None:
 
 
 def _draw(
-    axes: Axes,
-    some: Rows,
-    ends: tuple[str, str],
-    x: np.ndarray,
-    units: Units,
-    frequencies: list[float],
-    width: float,
-) -> dict[str, Any]:
-    """Draw the intervals at each x, joined between `frequencies`; only their lower ends
-    if the rows have no upper end. Return legend entries by their texts.
+    axes: Axes, some: Rows, amplitude: str, x: np.ndarray, over: str, units: Units
+) -> dict[Outcome, Patch]:
+    """Draw the intervals at each x, joined between neighbouring frequencies; only their
+    lower ends if the rows have no upper end. Return legend entries by outcome.
     """
-    from matplotlib.collections import PolyCollection
     from matplotlib.patches import Patch
 
-    low = column_in(some, ends[0], units)
-    high = column_in(some, ends[1], units) if ends[1] in some[0] else low
+    low = column_in(some, f"{amplitude}_from", units)
+    ended = f"{amplitude}_to" in some[0]
+    high = column_in(some, f"{amplitude}_to", units) if ended else low
     top = _MARGIN * float(np.nanmax(np.concatenate([low, high, [0.0]]))) or 1.0
-    entries: dict[str, Any] = {}
-    for mode in dict.fromkeys(row["mode"] for row in some):
+    high = np.where(np.isnan(high), top, high)
+    frequencies = [] if over in _WIDTHS else sorted(set(x.tolist()))
+    modes = np.array([row["mode"] for row in some])
+    entries: dict[Outcome, Patch] = {}
+    for mode in dict.fromkeys(modes.tolist()):
         outcome = _MODES.get(mode)
         if outcome is None:  # mode "none"
             continue
-        mine = np.array([row["mode"] == mode for row in some]) & ~np.isnan(low)
-        upto = np.where(np.isnan(high), top, high)
-        intervals = [
-            (float(a), float(b), float(c))
-            for a, b, c in zip(x[mine], low[mine], upto[mine], strict=True)
-        ]
-        areas = list(_joined(intervals, frequencies))
-        joined = {x for area in areas for x, _ in area}
-        axes.add_collection(
-            PolyCollection(
-                areas,
-                facecolors=COLOURS[outcome],
-                edgecolors=COLOURS[outcome],
-                linewidths=0.3,  # no seam between neighbours
-            )
-        )
-        alone = [one for one in intervals if not frequencies or one[0] not in joined]
-        if alone:  # a line at a place that is joined would end beyond the corner
-            axes.vlines(*np.array(alone).T, color=COLOURS[outcome], lw=width)
-        if ends[1] not in some[0]:
-            axes.plot(x[mine], low[mine], "o", color=COLOURS[outcome], ms=4.0)
-        words = outcome.sentence
-        entries[words] = Patch(facecolor=COLOURS[outcome], label=words)
+        mine = (modes == mode) & ~np.isnan(low)
+        bars = list(zip(*(v[mine].tolist() for v in (x, low, high)), strict=True))
+        colour = COLOURS[outcome]
+        _plot_bars(axes, bars, frequencies, colour, _WIDTHS.get(over, 1.0))
+        if not ended:
+            axes.plot(x[mine], low[mine], "o", color=colour, ms=4.0)
+        entries[outcome] = Patch(facecolor=colour, label=outcome.sentence)
     axes.set_ylim(0.0, top)
     return entries
+
+
+def _plot_bars(
+    axes: Axes, bars: list[Bar], frequencies: list[float], colour: str, width: float
+) -> None:
+    """Draw intervals, joined between frequencies; one alone as a line of this width."""
+    from matplotlib.collections import PolyCollection
+
+    areas = list(_joined(bars, frequencies))
+    joined = {x for area in areas for x, _ in area}
+    style: dict[str, Any] = {"facecolors": colour, "edgecolors": colour}
+    # the edges leave no seam between neighbours
+    axes.add_collection(PolyCollection(areas, linewidths=0.3, **style))
+    alone = [one for one in bars if one[0] not in joined]
+    if alone:  # a line at a place that is joined would end beyond the corner
+        axes.vlines(*np.array(alone).T, color=colour, lw=width)
 
 
 def _joined(

@@ -45,7 +45,10 @@ def fragility_curves(figure: Figure, rows: Rows, units: Units) -> list[Axes]:
     im, keys = rows[0]["im"], ("structure", "limit_state", "method")
     dimension = dimension_of_measure(im)
     unit, factor = ("", 1.0) if dimension is None else units.of(dimension)
-    rows = [{**row, "limit_state": _limit_in_words(row["limit_state"])} for row in rows]
+    rows = [
+        {**row, "limit_state": _limit_in_words(row["limit_state"] or "")}
+        for row in rows
+    ]
     varied = [key for key in keys if len(groups(rows, key)) > 1]
     lines = list(groups(rows, *keys).values())
     for i, some in enumerate(lines):
@@ -75,9 +78,10 @@ def _explain(axes: Axes, lines: Sequence[Rows]) -> None:
     """Add what dashes and bands mean to the legend, if there are any, and which states
     lie below others.
     """
-    if not any(row["probability"] for some in lines for row in some):
+    whole = [row for some in lines for row in some]
+    if np.all(np.isnan(column(whole, "probability"))):
         return
-    if any(row["low"] for some in lines for row in some):
+    if not np.all(np.isnan(column(whole, "low"))):
         band: dict[str, Any] = {"fc": "0.93", "ec": "0.3", "lw": 0.7, "ls": ":"}
         axes.fill_between([], [], label="95 % band of the fit", **band)
     axes.plot([], [], color="0.3", ls="--", label="beyond the last level")
@@ -148,7 +152,7 @@ def _with_hazard(axes: Axes, lines: Sequence[Rows], factor: float) -> None:
         ylim=(max(h[-1], h[0] * 1e-5), 2.0 * h[0]),
     )
     right.grid(False)
-    fitted = [i for i, some in enumerate(lines) if some[0]["probability"]]
+    fitted = [i for i, some in enumerate(lines) if some[0]["probability"] is not None]
     parts = {i: column(lines[i], "deaggregation") for i in fitted or range(len(lines))}
     most = max(float(np.nanmax(part, initial=0.0)) for part in parts.values()) or 1.0
     for i, part in parts.items():
@@ -179,7 +183,10 @@ def two_measures(figure: Figure, rows: Rows, units: Units) -> list[Axes]:
         known = [row for row in some if row["outcome"] != Outcome.FAILED.flag]
         x, y = (column_in(known, key, units) for key in ("pga", "pgv_pga"))
         sign = np.array(
-            [1.0 if Outcome[row["outcome"].upper()].falls else -1.0 for row in known]
+            [
+                1.0 if Outcome[str(row["outcome"]).upper()].falls else -1.0
+                for row in known
+            ]
         )
         for fell, text, mark in ((1.0, "falls", "xC1"), (-1.0, "stands", ".C0")):
             axes.plot(x[sign == fell], y[sign == fell], mark, ls="", ms=4.0, label=text)

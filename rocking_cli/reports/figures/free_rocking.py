@@ -1,54 +1,40 @@
 """Measured free rocking: trace and fit, residuals, and eta over the amplitude."""
 
-from collections.abc import Callable, Sequence
-from pathlib import Path
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
-from ...errors import UsageError
 from ...responses.identification.identified import Course, Identification
 from ...responses.identification.trace import DIMENSIONS
 from ..units import Units
-from .canvas import COLOURS, PLAIN, Axes, canvas, label, literal
+from .canvas import COLOURS, PLAIN, Axes, Figure, label, literal
 
 MOST = 3  # releases across
 _GREY = "0.6"
 
 
-def draw_identified(
-    found: Sequence[Identification],
-    target: Path,
-    units: Units | None,
-    overwrite: bool,
-    tell: Callable[[str], None] | None,
-) -> None:
+def fits(figure: Figure, found: Sequence[Identification], units: Units) -> None:
     """Draw traces with their fits and impacts, residuals with 2 standard deviations of
     the noise, and eta over theta/alpha; samples that the fit leaves out are grey. The
-    first releases of many. Raises UsageError without a trace to draw, OutputError.
+    first releases of many.
     """
-    drawn = [one for one in found if one.course is not None][:MOST]
-    if not drawn:
-        raise UsageError(f"{target}: times of impacts alone give no figure")
-    units = units or Units()
-    with canvas(target, overwrite, tell=tell) as figure:
-        figure.set_size_inches(max(6.4, 4.2 * len(drawn)), 7.2)
-        grid = figure.add_gridspec(3, len(drawn), height_ratios=(2.0, 1.0, 1.6))
-        below = figure.add_subplot(grid[2, :])
-        for i, one in enumerate(drawn):
-            axes = figure.add_subplot(grid[0, i])
-            name = literal(f"{one.row['trace']} {one.row['release']}")
-            axes.set_title(name if len(drawn) > 1 else literal(one.row["trace"]))
-            _release(axes, figure.add_subplot(grid[1, i], sharex=axes), one, units)
-            _restitutions(below, one, COLOURS[i], name)
-        momentum = drawn[0].row["eta_momentum"]
-        if momentum is not None:
-            below.axhline(
-                momentum, color="0.4", ls="--", lw=0.8, label="angular momentum"
-            )
-        below.set(xlabel=r"$\theta/\alpha$ before the impact", ylabel=r"$\eta$")
-        below.set_xlim(left=0.0)
-        below.legend(loc="best")
+    drawn = found[:MOST]
+    figure.set_size_inches(max(6.4, 4.2 * len(drawn)), 7.2)
+    grid = figure.add_gridspec(3, len(drawn), height_ratios=(2.0, 1.0, 1.6))
+    below = figure.add_subplot(grid[2, :])
+    for i, one in enumerate(drawn):
+        axes = figure.add_subplot(grid[0, i])
+        name = literal(f"{one.row['trace']} {one.row['release']}")
+        axes.set_title(name if len(drawn) > 1 else literal(one.row["trace"]))
+        _release(axes, figure.add_subplot(grid[1, i], sharex=axes), one, units)
+        _restitutions(below, one, COLOURS[i], name)
+    momentum = drawn[0].row["eta_momentum"]
+    if momentum is not None:
+        below.axhline(momentum, color="0.4", ls="--", lw=0.8, label="angular momentum")
+    below.set(xlabel=r"$\theta/\alpha$ before the impact", ylabel=r"$\eta$")
+    below.set_xlim(left=0.0)
+    below.legend(loc="best")
 
 
 def _release(above: Axes, below: Axes, one: Identification, units: Units) -> None:

@@ -59,8 +59,7 @@ def response(
             lw=1.0,
         )
     if moves:
-        key = "ground_acceleration" if x == "t" else "A_s"
-        others[-1].set_ylabel(label(key, units))
+        others[-1].set_ylabel(label(ground if x == "t" else "A_s", units))
     drawn = [axes, *others]
     drawn[-1].set_xlabel(label(x, units) + ", 0 at the largest rotation" * align)
     if forces:
@@ -169,9 +168,11 @@ def _rotations(rows: Rows, y: str) -> list[str]:
     return [c for c in rows[0] if re.fullmatch(f"{y}(_linear|_nonlinear)?", c)]
 
 
-def _ratio_of(name: str) -> str:
-    """Return the column of theta/alpha beside a column of the rotation."""
-    return re.sub("^theta(_ratio)?", "theta_ratio", name)
+def _beside(name: str, other: str = "theta_ratio") -> str:
+    """Return the column of theta/alpha, or another one, of the same equation as a
+    column of the rotation.
+    """
+    return re.sub("^theta(_ratio)?", other, name)
 
 
 def _mark_events(
@@ -180,9 +181,9 @@ def _mark_events(
     """Mark uplifts, impacts and the fall of one response; name: the column of its
     rotation. Does nothing without theta/alpha.
     """
-    if _ratio_of(name) not in rows[0]:
+    if _beside(name) not in rows[0]:
         return
-    ratio = column(rows, _ratio_of(name))
+    ratio = column(rows, _beside(name))
     up = np.abs(ratio) > _LEAST
     lifts = np.flatnonzero(up[1:] & ~up[:-1])
     known = axes.get_legend_handles_labels()[1]
@@ -204,7 +205,7 @@ def _mark_events(
     begins = lifts[~close.any(axis=1)]
     mark(times[begins], np.zeros(begins.size), "^", "uplift")
     mark(impacts, np.zeros(impacts.size), "|", "impact")
-    outcome = rows[0].get(re.sub("^theta(_ratio)?", "outcome", name))
+    outcome = rows[0].get(_beside(name, "outcome"))
     if any(one.flag == outcome and one.overturned for one in Outcome):
         mark(times[-1:], np.asarray(axes.lines[-1].get_ydata())[-1:], "X", "falls")
 
@@ -223,7 +224,7 @@ def _alphas(rows: Rows, name: str, units: Units) -> tuple[float, float] | None:
     """Return alpha on the right and the left side in the unit of the rotation, None if
     the body does not rock.
     """
-    theta, ratio = column_in(rows, name, units), column(rows, _ratio_of(name))
+    theta, ratio = column_in(rows, name, units), column(rows, _beside(name))
     found = {}
     for side in (1.0, -1.0):
         i = int(np.argmax(np.nan_to_num(side * ratio)))
@@ -240,13 +241,13 @@ def _show_alpha(axes: Axes, rows: Rows, y: str, units: Units) -> None:
     theta/alpha on the right.
     """
     name = _rotations(rows, y)[0]
-    if _ratio_of(name) not in rows[0]:
+    if _beside(name) not in rows[0]:
         return
     alphas = _alphas(rows, name, units)
     if alphas is None:
         return
     right, left = alphas
-    if np.nanmax(np.abs(column(rows, _ratio_of(name)))) >= _NEAR:
+    if np.nanmax(np.abs(column(rows, _beside(name)))) >= _NEAR:
         across = axes.get_yaxis_transform()
         style: dict[str, Any] = {"colors": "#CC79A7", "ls": "--", "lw": 0.9}
         words = r"$\pm\alpha$"
@@ -270,10 +271,10 @@ def _say_peak(
     """Write the largest rotation of a body that stands beside it, over alpha and as the
     displacement of its top [mm].
     """
-    outcome = rows[0].get(re.sub("^theta(_ratio)?", "outcome", name))
+    outcome = rows[0].get(_beside(name, "outcome"))
     if not any(one.flag == outcome and one.safe for one in Outcome):
         return
-    ratio, theta = column(rows, _ratio_of(name)), column_in(rows, name, units)
+    ratio, theta = column(rows, _beside(name)), column_in(rows, name, units)
     i = int(np.argmax(np.abs(ratio)))
     words = rf"{abs(ratio[i]):.3g} $\alpha$"
     if "top_displacement" in rows[0]:

@@ -110,7 +110,7 @@ def _title(file: SpectraFile, place: int) -> str:
         )
     s = file.structures[place]
     return (
-        f"{titled(s.name, s.eta)}\n"
+        f"{titled(s)}\n"
         f"{literal(motion_in_words(file.scene['motion'][0]))}, {model} equation"
     )
 

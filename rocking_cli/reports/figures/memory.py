@@ -1,8 +1,8 @@
-"""Results in memory, in the forms that the figures take: rows of texts in SI units, and
-the cells of a spectra file.
+"""Results in memory, in the forms that the figures take: rows in SI units, the cells of
+a spectra file, and results that have a figure of their own.
 """
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any, cast
 
@@ -15,18 +15,26 @@ from ...motions.grid import Grid
 from ...motions.motion import Motion
 from ...motions.recording import Recording
 from ...motions.records import Record
+from ...responses.code_check import CodeCheck
 from ...responses.sliding import SlideHistory
 from ...responses.time_history import TimeHistory
 from ...responses.verdict import Verdict
 from ...spectra.file.reader import SpectraFile
 from ...spectra.results import Spectrum
 from ...spectra.scene import PulseScene
-from ..rows import Rows
+from ..rows import Rows, rows_in_memory
+from ..units import Units
+from .canvas import Axes, Figure
+from .capacities import capacities, capacity_curves
+from .records import traces
+
+# draws into a figure in these units; into the Axes of the caller, if there are some
+Plan = Callable[[Figure, Units, Axes | None], list[Axes]]
 
 _EXPECTED = (
-    "a path, several paths, or a result of time_history, spectrum, check, envelope,"
-    " trace_envelope, closed_form_curves, fragility, slide_history or load_records;"
-    " draw_structures draws structures"
+    "a path, several paths, or a result of time_history, spectrum, check, code_check,"
+    " envelope, trace_envelope, closed_form_curves, fragility, slide_history or"
+    " load_records; draw_structures draws structures"
 )
 
 
@@ -82,37 +90,40 @@ def memory_file(source: Any) -> SpectraFile | None:
     )
 
 
-def memory_records(source: Any) -> list[Record]:
-    """Return one or several records in memory, scaled; empty for another thing."""
-    several = source if isinstance(source, list | tuple) else [source]
-    if not all(isinstance(one, Record | Recording) for one in several):
-        return []
-    return [
-        replace(one.record, acceleration=one.factor * one.record.acceleration)
-        if isinstance(one, Recording)
-        else one
-        for one in several
-    ]
-
-
-def memory_rows(source: Any) -> Rows:
-    """Return the rows of a result, or of several of one kind, as texts. Raises
-    ArgumentError for another thing.
+def memory_plan(several: Sequence[Any]) -> Plan | None:
+    """Return what draws records, verdicts or checks by a code; None for other results,
+    which have rows.
     """
-    from ...envelopes.closed_form import CurvePoint
 
-    several = list(source) if isinstance(source, list | tuple) else [source]
-    if isinstance(source, CurvePoint | Interval):
-        several = [source]
+    def are(*kinds: type) -> bool:
+        return all(isinstance(one, kinds) for one in several)
+
+    if are(Record, Recording):
+        records = [
+            replace(one.record, acceleration=one.factor * one.record.acceleration)
+            if isinstance(one, Recording)
+            else one
+            for one in several
+        ]
+        return lambda figure, units, alone: traces(figure, records, units, alone)
+    if are(Verdict):
+        return lambda figure, units, _: capacities(figure, several, units)
+    if are(CodeCheck):
+        return lambda figure, _, __: capacity_curves(figure, several)
+    return None
+
+
+def memory_rows(several: Sequence[Any]) -> Rows:
+    """Return the rows of one result, or of several of one kind. Raises ArgumentError
+    for another thing.
+    """
     rows = [row for one in several for row in _rows(one)]
     if not rows or not all(rows):
         raise ArgumentError(
-            f"draw: `source`: found an empty {type(source).__name__}; expected"
+            f"draw: `source`: found an empty {type(several).__name__}; expected"
             f" {_EXPECTED}"
         )
-    return [
-        {key: "" if x is None else str(x) for key, x in row.items()} for row in rows
-    ]
+    return rows_in_memory(rows)
 
 
 def _rows(one: Any) -> Iterator[Mapping[str, Any]]:
@@ -123,8 +134,6 @@ def _rows(one: Any) -> Iterator[Mapping[str, Any]]:
         yield one
     elif isinstance(one, TimeHistory | SlideHistory):
         yield from one.rows()
-    elif isinstance(one, Verdict):
-        yield one.row()
     elif isinstance(one, Fit):
         yield from one.points_of_curve()
     elif isinstance(one, Interval):

@@ -83,7 +83,7 @@ def elastic_spectra(figure: Figure, rows: Rows, units: Units) -> list[Axes]:
     figure.set_size_inches(8.4, 3.6)
     axes = list(figure.subplots(1, 2))
     for some, style in series(rows, "name", "component", "damping"):
-        style["label"] = literal(f"{some[0]['name']} {some[0]['component']}".strip())
+        style["label"] = literal(_named(some))
         for one, key in zip(axes, ("S_a", "S_d"), strict=True):
             one.plot(column(some, "T"), column_in(some, key, units), **style)
     for one, key in zip(axes, ("S_a", "S_d"), strict=True):
@@ -95,9 +95,13 @@ def elastic_spectra(figure: Figure, rows: Rows, units: Units) -> list[Axes]:
         one.set_xlim(left=0.0)
         one.set_ylim(bottom=0.0)
     damping = {100.0 * float(text[0]) for text in groups(rows, "damping")}
-    names = groups(rows, "name", "component")
-    name = f"{' '.join(next(iter(names))).strip()}, " if len(names) == 1 else ""
+    name = f"{_named(rows)}, " if len(groups(rows, "name", "component")) == 1 else ""
     shown = ", ".join(f"{x:g} %" for x in sorted(damping))
     figure.suptitle(literal(f"{name}elastic spectrum, damping {shown}"), fontsize=9)
     legend(axes[0])
     return axes
+
+
+def _named(rows: Rows) -> str:
+    """Return the name and the component of the first row."""
+    return " ".join(filter(None, (rows[0]["name"], rows[0]["component"])))

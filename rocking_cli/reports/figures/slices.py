@@ -114,7 +114,7 @@ def _names(file: SpectraFile) -> tuple[str, ...]:
     """Return the name of each structure or record."""
     first, places = next(iter(file.frame.dimensions.items()))
     if first == "structure":
-        return tuple(titled(s.name, s.eta) for s in file.structures)
+        return tuple(titled(s) for s in file.structures)
     return tuple(literal(str(record)) for record in places)
 
 

@@ -15,7 +15,7 @@ from ...documents.document import Document
 from ...documents.keys import Key, Keys
 from ..mechanics.moments import Moments
 from ..mechanics.single_body import RigidBody, half_and_height, sizes
-from ..sketch import Sketch, rectangle, turned
+from ..sketch import Outline, Sketch, rectangle, turned
 
 REPORTS = ("cap_ratio",)
 KEYS = Keys(
@@ -72,20 +72,28 @@ def _drawing(half: float, height: float, inset: float, count: int) -> Sketch:
     axes = [step * (i - 0.5 * (count - 1)) for i in range(count)]
     columns = [rectangle(x - half, x + half, 0.0, height) for x in axes]
     beam = rectangle(axes[0] - 2.0 * half, axes[-1] + 2.0 * half, height, height * 1.08)
-    leaning = [
-        turned(column, (x + foot, 0.0), alpha)
-        for column, x in zip(columns, axes, strict=True)
-    ]
-    # the beam rests on it
-    (corner,) = turned([(axes[0] - foot, height)], (axes[0] + foot, 0.0), alpha)
-    lifted = tuple(
-        (x + corner[0] - axes[0] + foot, z + corner[1] - height) for x, z in beam
-    )
+
+    def pose(theta: float) -> tuple[list[Outline], list[Outline]]:
+        toe = foot if theta > 0.0 else -foot
+        leaning = [
+            turned(column, (x + toe, 0.0), theta)
+            for column, x in zip(columns, axes, strict=True)
+        ]
+        # the beam rests on it
+        (corner,) = turned([(axes[0] - toe, height)], (axes[0] + toe, 0.0), theta)
+        lifted = tuple(
+            (x + corner[0] - axes[0] + toe, z + corner[1] - height) for x, z in beam
+        )
+        return [*leaning, lifted], []
+
     pivots = [
         (name, (x + side * foot, 0.0))
         for x in axes
         for name, side in (("left", -1.0), ("right", 1.0))
     ]
     return Sketch(
-        bodies=(*columns, beam), moved=(*leaning, lifted), pivots=tuple(pivots)
+        bodies=(*columns, beam),
+        moved=tuple(pose(alpha)[0]),
+        pivots=tuple(pivots),
+        pose=pose,
     )

@@ -17,6 +17,7 @@ from support.tied_march import marched as march_of
 from rocking_cli import (
     Method,
     Outcome,
+    Verdict,
     check,
     parse_grid,
     pulse,
@@ -549,12 +550,13 @@ AT_REST = {"tie_force": None, "tie_elongation": 0.0, "force": 0.0, "state": "ela
     ],
 )
 def test_the_change_of_the_capacity_names_its_restraints(names, first, words):
-    assert (
-        devices_in_words(
-            tuple({"device": name, **AT_REST} for name in names), first, 2.0
-        )[-1]
-        == words
+    verdict = Verdict(
+        *("W", "m", "linear", Outcome.ROCKED, 0.5, 1.0, 0.5, first, None),
+        Outcome.ROCKED,
+        devices=tuple({"device": name, **AT_REST} for name in names),
+        first_overturning_a_free=2.0,
     )
+    assert devices_in_words(verdict)[-1] == words
 
 
 @pytest.mark.parametrize(
@@ -570,9 +572,7 @@ def test_check_says_that_a_yielding_tie_never_breaks(a_g, tie, a_max, told):
     """As its capacity may count on any elongation."""
     demand = parse_grid(f"a_g={a_g}g,T_g=0.8")
     verdict = check(built(WALL + tie), OUTWARDS, demand, a_max=a_max)
-    said = devices_in_words(
-        verdict.devices, verdict.first_overturning_a, verdict.first_overturning_a_free
-    )
+    said = devices_in_words(verdict)
     assert any("tie 1 never breaks in this model" in line for line in said) is told
 
 

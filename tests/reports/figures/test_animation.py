@@ -1,11 +1,10 @@
 """Responses in motion: the frames of a GIF, and the shapes in them."""
 
-import numpy as np
 import pytest
 from PIL import Image
 
 from rocking_cli import UsageError, build_structure, read_documents
-from rocking_cli.reports.figures.animation import animate, shape_at
+from rocking_cli.reports.figures.animation import animate
 from rocking_cli.structures.kinds import sketch_of
 
 
@@ -39,25 +38,24 @@ def test_a_gif_takes_as_long_as_the_response(rocking, tmp_path):
     assert "exists" in rocking("plot", "r.csv", "--animate", "r.gif").stderr
 
 
-def test_a_body_turns_about_its_edge_and_a_linkage_moves_to_its_shape_at_alpha(
+def test_a_body_turns_about_its_edge_and_a_frame_moves_as_its_mirror_image(
     pytestconfig,
 ):
     sketches = []
-    for name in ("block", "arch"):
+    for name in ("block", "frame"):
         (document,) = read_documents(pytestconfig.rootpath / "configs" / f"{name}.yaml")
         sketches.append(sketch_of(document, build_structure(document)))
-    block, arch = sketches
-    (left,), (right,) = shape_at(block, -0.1, 0.0), shape_at(block, 0.1, 0.0)
+    block, frame = sketches
+    (left,), (right,) = (block.posed(theta)[0] for theta in (-0.1, 0.1))
     assert (left[0], right[1]) == (
         pytest.approx((-0.25, 0.0)),
         pytest.approx((0.25, 0.0)),
     )
     assert left[2][0] < 0.25 < right[2][0]
-    assert shape_at(arch, 0.0, 1.0) == [
-        pytest.approx(np.array(outline)) for outline in arch.moved
-    ]
-    mirrored = np.array(shape_at(arch, 0.0, -1.0)[0])
-    assert mirrored[:, 0] == pytest.approx(-np.array(arch.moved[0])[:, 0])
+    there, back = (frame.posed(sign * 0.2)[0] for sign in (1.0, -1.0))
+    for outline, image in zip(there[:-1], reversed(back[:-1]), strict=True):
+        mirrored = [(-x, z) for x, z in image]
+        assert sorted(mirrored) == [pytest.approx(point) for point in sorted(outline)]
 
 
 @pytest.mark.parametrize(

@@ -15,6 +15,7 @@ from rocking_cli import (
     parse_grid,
     sine,
 )
+from rocking_cli.reports.figures.canvas import FIGURE_UNITS
 from rocking_cli.reports.figures.capacities import capacities, capacity_curve
 
 
@@ -31,7 +32,7 @@ def test_bars_end_at_the_first_overturning_and_lines_stand_at_the_demand():
         )
         for t in texts
     ]
-    axes = capacities(Figure(), verdicts, in_g=True)
+    (axes,) = capacities(Figure(), verdicts, FIGURE_UNITS)
     assert [bar.get_width() for bar in axes.patches] == pytest.approx(
         [v.first_overturning_a / 9.81 for v in verdicts]
     )
@@ -47,10 +48,10 @@ def test_bars_end_at_the_first_overturning_and_lines_stand_at_the_demand():
         "0.791",  # of 0.7918, rounded down as in the table of a report
         "2.25",
     ]
-    axes = capacities(
+    (axes,) = capacities(
         Figure(),
         [replace(verdicts[0], motion=name) for name in ("north", "east")],
-        in_g=True,
+        FIGURE_UNITS,
     )
     assert [t.get_text() for t in axes.get_yticklabels()] == ["north", "east"]
 
@@ -64,7 +65,7 @@ def test_a_capacity_that_was_not_found_has_no_bar(a_max):
         parse_grid("a_g=0.05g,f_g=1"),
         a_max=a_max,
     )
-    axes = capacities(Figure(), [verdict], in_g=True)
+    (axes,) = capacities(Figure(), [verdict], FIGURE_UNITS)
     assert [bar.get_width() for bar in axes.patches] == [0.0]
     said = (
         "no uplift; no capacity known" if a_max is None else "> 2.93  no uplift"
