@@ -31,6 +31,7 @@ def remarks(verdicts: list[Verdict], *, of_means: bool = False) -> list[str]:
     """Return the lines on which structures overturn, and what to note on the others;
     of_means: True if lines on draws stand before them.
     """
+    from ..dynamics.outcome import Outcome
     from ..reports.device_words import devices_in_words
 
     several = len({v.motion for v in verdicts}) > 1
@@ -45,7 +46,11 @@ def remarks(verdicts: list[Verdict], *, of_means: bool = False) -> list[str]:
         overturned = named(v for v in verdicts if v.outcome.overturned)
         names = f": {listed(overturned)}" if overturned else ""
         means = "of the means, " if of_means else ""
-        lines.append(f"{means}{len(overturned)} of {len(verdicts)} overturn{names}")
+        lost = sum(v.outcome == Outcome.LOST_CONTACT for v in verdicts)
+        lose = f", {lost} lose{'s' * (lost == 1)} contact" * bool(lost)
+        lines.append(
+            f"{means}{len(overturned)} of {len(verdicts)} overturn{names}{lose}"
+        )
     for words, holds in _conditions():
         if names_of := named(filter(holds, verdicts)):
             lines.append(f"{words}: {listed(names_of)}")

@@ -209,7 +209,7 @@ class Rate:
     annual: [1/year]
     low: lower end of its 95 % band [1/year]
     high: upper end of its 95 % band [1/year]
-    beyond: the most that motions beyond the last level add [1/year]
+    beyond: the most that motions beyond the last one that is counted add [1/year]
     last: the last level [SI]
     first: probability of the limit state at the first level of the hazard curve [-]
 
@@ -223,7 +223,7 @@ class Rate:
     annual: float  # [1/year]
     low: float | None  # lower end of its 95 % band [1/year]
     high: float | None  # upper end of its 95 % band [1/year]
-    beyond: float  # the most that motions beyond the last level add [1/year]
+    beyond: float  # the most that stronger motions than the last counted add [1/year]
     last: float  # the last level [SI]
     # probability of the limit state at the first level of the hazard curve [-]
     first: float

@@ -40,6 +40,7 @@ from .page_parts import (
     details,
     labelled,
     labels_of,
+    lead,
     page_row,
     rendered,
     verdict_row,
@@ -52,7 +53,6 @@ from .wording import (
     demand_plainly,
     opposite_in_words,
     overview_row,
-    tally,
     verified_in_words,
     worst_of,
 )
@@ -82,11 +82,9 @@ def page(
     labels = labels_of(structures)
     values: dict[str, Any] = {}
     if verdicts:
-        motions = ", ".join(dict.fromkeys(v.motion for v in verdicts))
-        under = "" if asked.summary else f"{motions}: "
         means = "Of the means, " * bool(drawn)
         values = {
-            "lead": f"{means}{tally(verdicts)}, under {under}{asked.demand}.",
+            "lead": f"{means}{lead(verdicts, asked)}",
             "overview": _overview(cases, labels) if asked.summary else [],
             "capacities": image(
                 lambda figure: capacities(figure, verdicts, FIGURE_UNITS)

@@ -10,10 +10,10 @@ import numpy as np
 
 from ..responses.verdict import CHECK_COLUMNS, Verdict
 from .figures.canvas import Figure
-from .page_parts import Asked, Labels, details, page_row, rendered, write
+from .page_parts import Asked, Labels, details, lead, page_row, rendered, write
 from .page_sections import image
 from .tables import csv_lines
-from .wording import capacity_left, tally
+from .wording import capacity_left
 
 WORST = 20  # rows of the table of the least capacities
 _BINS = 40  # of the histogram
@@ -43,7 +43,7 @@ def write_page_of_many(
     text = rendered(
         asked,
         title=asked.title or f"Rocking of {len(labels):,} structures",
-        lead=f"{tally(found)}, under {asked.demand}.",
+        lead=lead(found, asked),
         heading=f"The {len(worst)} with the least capacity",
         verdicts=details(worst, labels),
         beside=f"All {len(found):,} rows stand in {beside_of(target).name}.",

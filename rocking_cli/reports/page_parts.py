@@ -22,6 +22,7 @@ from ..publishing import published
 from ..responses.verdict import Verdict
 from ..structures import RockingParameters
 from .tables import Above
+from .wording import tally
 
 if TYPE_CHECKING:
     from jinja2 import Template
@@ -32,6 +33,7 @@ HEADS = {
     "model": "model",
     "outcome": "sentence",
     "θ max/α": "theta_ratio",
+    "top moves [mm]": "top_displacement",
     "demand [g]": "demand_a",
     "uplift [g]": "uplift_a",
     "overturns from [g]": "first_overturning_a",
@@ -59,6 +61,7 @@ _FORMS = (
     ("least vertical force", (2, ROUND_FLOOR)),
     ("friction needed", (2, ROUND_CEILING)),
     ("[deg]", (1, ROUND_HALF_EVEN)),
+    ("[mm]", (1, ROUND_HALF_EVEN)),
     ("", (3, ROUND_HALF_EVEN)),
 )
 
@@ -98,6 +101,13 @@ def write(target: str | Path, text: str, overwrite: bool) -> None:
     """Write a file as a whole. Raises UsageError, OutputError."""
     with published(Path(target), overwrite) as file:
         file.write(whole_text(text).encode())
+
+
+def lead(verdicts: Sequence[Verdict], asked: Asked) -> str:
+    """Return the first sentence of a page: what falls, and under which motions."""
+    motions = ", ".join(dict.fromkeys(v.motion for v in verdicts))
+    under = "" if asked.summary else f"{motions}: "  # a summary has it in `demand`
+    return f"{tally(verdicts)}, under {under}{asked.demand}."
 
 
 def rendered(
@@ -240,7 +250,7 @@ def _cell(head: str, x: str | float | None) -> str:
     if x is None or isinstance(x, str):
         return x or "–"
     places, rounding = next(form for ends, form in _FORMS if head.endswith(ends))
-    unit = DEFAULT_GRAVITY if "[g]" in head else 1.0
+    unit = DEFAULT_GRAVITY if "[g]" in head else 1e-3 if "[mm]" in head else 1.0
     least = Decimal(1).scaleb(-places)
     shown = Decimal(repr(x / unit)).quantize(least, rounding)
     if not shown and x > 0.0:

@@ -177,7 +177,9 @@ def test_a_body_that_leaves_the_ground_does_not_pass_and_linear_is_wrong_of_it(r
         "lost_contact",
         "rocked",
     )
-    assert "0 of 1 overturn\nlose contact with the ground" in done.stderr
+    assert (
+        "0 of 1 overturn, 1 loses contact\nlose contact with the ground" in done.stderr
+    )
     assert "stand by the linear equation, which is wrong: block" in done.stderr
 
 

@@ -5,7 +5,7 @@ panel for each structure.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from itertools import pairwise
+from itertools import pairwise, permutations
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -44,6 +44,8 @@ _WIDTHS = {
     "record": 6.0,
 }
 _MARGIN = 1.1  # of the axis of amplitudes over the largest one
+# of amplitudes above all that the rows name, up to which all are searched
+_UNKNOWN: dict[str, Any] = {"facecolor": "white", "edgecolor": "0.8", "hatch": "///"}
 Bar = tuple[float, float, float]  # frequency, lower and upper amplitude
 
 
@@ -67,12 +69,13 @@ def bands(figure: Figure, rows: Rows, units: Units) -> list[Axes]:
     entries: dict[Outcome, Patch] = {}
     for axes, some in zip(drawn, found.values(), strict=True):
         x = _abscissa(axes, some, over, records, units)
+        axes.set_title(_title(some, apart, units))
         entries |= _draw(axes, some, amplitude, x, over, units)
         _stop_at(axes, most, units)
         axes.set_ylabel(label("a_g" if amplitude == "a" else "A", units))
-        axes.set_title(_title(some, apart, units))
     stands = Patch(facecolor="white", edgecolor="0.5", label="stands")
-    legend(drawn[0], [*entries.values(), stands])
+    unknown = Patch(label="not searched", **_UNKNOWN)
+    legend(drawn[0], [*entries.values(), stands, unknown])
     return drawn
 
 
@@ -131,18 +134,11 @@ def _reach(found: Iterable[Rows], over: str, units: Units) -> float | None:
 def _stop_at(axes: Axes, most: float | None, units: Units) -> None:
     """Let the axis of amplitudes end at `most`, and say how far the rows go."""
     top = axes.get_ylim()[1]
-    if most is None or top <= most:
+    if most is None or top <= _MARGIN * most:
         return
     axes.set_ylim(0.0, most)
-    axes.annotate(
-        f"intervals up to {top / _MARGIN:.3g} {units.of('acceleration')[0]}",
-        (1.0, 1.0),
-        xycoords="axes fraction",
-        xytext=(0, 3),
-        textcoords="offset points",
-        ha="right",
-        fontsize="x-small",
-    )
+    reach = f"intervals up to {top / _MARGIN:.3g} {units.of('acceleration')[0]}"
+    axes.set_title(f"{axes.get_title()}\n{reach}")
 
 
 def _draw(
@@ -156,24 +152,56 @@ def _draw(
     low = column_in(some, f"{amplitude}_from", units)
     ended = f"{amplitude}_to" in some[0]
     high = column_in(some, f"{amplitude}_to", units) if ended else low
-    top = _MARGIN * float(np.nanmax(np.concatenate([low, high, [0.0]]))) or 1.0
-    high = np.where(np.isnan(high), top, high)
-    frequencies = [] if over in _WIDTHS else sorted(set(x.tolist()))
-    modes = np.array([row["mode"] for row in some])
-    entries: dict[Outcome, Patch] = {}
-    for mode in dict.fromkeys(modes.tolist()):
-        outcome = _MODES.get(mode)
-        if outcome is None:  # mode "none"
-            continue
-        mine = (modes == mode) & ~np.isnan(low)
-        bars = list(zip(*(v[mine].tolist() for v in (x, low, high)), strict=True))
-        colour = COLOURS[outcome]
-        _plot_bars(axes, bars, frequencies, colour, _WIDTHS.get(over, 1.0))
-        if not ended:
-            axes.plot(x[mine], low[mine], "o", color=colour, ms=4.0)
-        entries[outcome] = Patch(facecolor=colour, label=outcome.sentence)
+    searched = float(np.nanmax(np.concatenate([low, high, [0.0]])))
+    top = _MARGIN * searched or 1.0
+    if searched:
+        axes.axhspan(searched, top, lw=0.0, zorder=0.0, **_UNKNOWN)
     axes.set_ylim(0.0, top)
-    return entries
+    high = np.where(np.isnan(high), top, high)
+    bars: dict[Outcome, list[Bar]] = {}
+    for row, *bar in zip(some, x.tolist(), low.tolist(), high.tolist(), strict=True):
+        outcome = _MODES.get(row["mode"])
+        if outcome is not None:  # not of mode "none"
+            bars.setdefault(outcome, []).append((bar[0], bar[1], bar[2]))
+    frequencies = [] if over in _WIDTHS else sorted(set(x.tolist()))
+    if frequencies and bars:
+        _plot_changes(axes, bars, frequencies, top)
+    for outcome, own in bars.items():
+        colour = COLOURS[outcome]
+        _plot_bars(axes, own, frequencies, colour, _WIDTHS.get(over, 1.0))
+        if not ended:
+            places, ends, _ = zip(*own, strict=True)
+            axes.plot(places, ends, "o", color=colour, ms=4.0)
+    return {o: Patch(facecolor=COLOURS[o], label=o.sentence) for o in bars}
+
+
+def _plot_changes(
+    axes: Axes, bars: dict[Outcome, list[Bar]], frequencies: list[float], top: float
+) -> None:
+    """Fill what lies between an interval of one mode and one of another at the next
+    frequency, and between an interval without an end and a frequency at which nothing
+    falls up to `top`.
+    """
+    from matplotlib.collections import PolyCollection
+
+    falls: dict[float, list[tuple[float, float, str]]] = {x: [] for x in frequencies}
+    for (x, low, high), outcome in sorted(
+        (bar, outcome) for outcome, own in bars.items() for bar in own
+    ):
+        if falls[x] and low <= falls[x][-1][1]:  # the body falls on, by another mode
+            low, before, colour = falls[x].pop()
+            falls[x].append((low, max(before, high), colour))
+        else:
+            falls[x].append((low, high, COLOURS[outcome]))
+    areas, colours = [], []
+    for pair in pairwise(frequencies):
+        for (x, own), (other, beside) in permutations((x, falls[x]) for x in pair):
+            for low, high, colour in own:
+                ends = [(u, o) for u, o, _ in beside if low < o and u < high]
+                for under, over in ends or [(top, top)] * (high >= top):
+                    areas.append([(x, low), (other, under), (other, over), (x, high)])
+                    colours.append(colour)
+    axes.add_collection(PolyCollection(areas, facecolors=colours, linewidths=0.0))
 
 
 def _plot_bars(

@@ -63,7 +63,7 @@ def test_structures_have_a_panel_each_in_g_and_hz(drawn, table):
         "6",
     )
     figure = drawn(source)
-    assert [axes.get_title() for axes in figure.axes] == [
+    assert [axes.get_title().split("\nintervals")[0] for axes in figure.axes] == [
         f"{name}\nrectangular, nonlinear equation" for name in ("Column", "Spire")
     ]
     assert {(axes.get_xlabel(), axes.get_ylabel()) for axes in figure.axes} == {
@@ -84,7 +84,10 @@ def test_structures_have_a_panel_each_in_g_and_hz(drawn, table):
             assert np.isclose(corners, one, rtol=1e-12).all(axis=1).any()
         # no line ends beyond a corner of an area
         assert not any(hasattr(c, "get_segments") for c in axes.collections)
-    assert [text.get_text() for text in figure.legends[0].get_texts()][-1] == "stands"
+    assert [text.get_text() for text in figure.legends[0].get_texts()][-2:] == [
+        "stands",
+        "not searched",
+    ]
 
 
 def test_closed_form_curves_are_a_line_each(drawn, table):
@@ -111,7 +114,9 @@ def test_both_equations_have_a_panel_each(drawn, table):
         "--a-max",
         "2",
     )
-    assert [axes.get_title() for axes in drawn(source).axes] == [
+    assert [
+        axes.get_title().split("\nintervals")[0] for axes in drawn(source).axes
+    ] == [
         f"Column\none cycle of a sine, 1 Hz, {model} equation"
         for model in ("linear", "nonlinear")
     ]
@@ -152,3 +157,16 @@ def test_blocks_under_a_record_are_bands_over_their_size(drawn):
         r"$A = a_{scale}\,a_g/(\alpha g)$ [-]",
     )
     same(first.get_lines()[0].get_data(), np.array([1, 2]), np.array([2, 3]))
+
+
+def test_no_mode_leaves_a_gap_and_nothing_unsearched_is_white(drawn):
+    text = (
+        "structure,Omega,A_from,A_to,mode\nx,1,4,,no_impact\nx,2,5,6,lost_contact\n"
+        "x,2,6,,no_impact\nx,3,,,none\n"
+    )
+    (axes,) = drawn(text).axes
+    assert inside(axes, 1.5, 5.0)  # one mode at 1, another at 2
+    assert inside(axes, 2.5, 6.3)  # nothing falls at 3, up to what is searched
+    assert not inside(axes, 1.5, 4.0)
+    (span,) = axes.patches  # hatched
+    assert span.get_y() == 6.0
