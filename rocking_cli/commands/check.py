@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from . import demand, options
+from .check_demands import LONG_TABLE
 from .command import command, flag, group, option, partly, refuse
 from .draws import DrawnRows, Draws, note_one_demand, require_spreads
 from .parameter_types import NUMBER, InputPath
@@ -112,10 +113,6 @@ class CheckOptions:
     def limit(self) -> Limit | None:
         """The largest amplitude of the search, None without a search."""
         return None if self.verdict_only else self.a_max
-
-
-# rows from which on friction_needed and fz_min are computed only if they are asked for
-LONG_TABLE = 1000
 
 
 @command(

@@ -30,6 +30,8 @@ if TYPE_CHECKING:
 
 # structures, and the columns of the varied values of each
 Members = tuple[list["RockingParameters"], dict[str, dict[str, float]]]
+# rows from which on friction_needed and fz_min are computed only if they are asked for
+LONG_TABLE = 1000
 _LONG = 50_000  # samples of a record whose search is called long
 _SEARCH = 5e-4  # s that the search for a capacity takes for each sample, about
 

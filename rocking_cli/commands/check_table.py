@@ -9,6 +9,7 @@ import click
 import numpy as np
 
 from . import options
+from .check_demands import LONG_TABLE
 from .command import partly, refuse
 from .printing import emit, form, note
 from .progress import ProgressLine
@@ -44,7 +45,6 @@ def write_table(demands: Demands, wanted: CheckOptions, sweep: options.Sweep) ->
     from ..spectra.file.partial_file import check_output
     from ..spectra.sweep_options import SweepOptions
     from ..spectra.verdicts import SIGNS, VerdictScene, write_verdicts
-    from .check import LONG_TABLE
 
     output = wanted.output
     assert output is not None

@@ -8,7 +8,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from . import demand, options
-from .check import LONG_TABLE, CodeOptions
+from .check import CodeOptions
+from .check_demands import LONG_TABLE
 from .command import command, flag, group, option, partly, refuse
 from .draws import Draws, require_spreads
 from .printing import note, quiet
