@@ -4,13 +4,11 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple, Self, TypeVar
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 
 from ..arrays import Array
-
-Extended = TypeVar("Extended", bound="Arrays")
 
 
 @dataclass
@@ -26,17 +24,6 @@ class Arrays:
         return type(self)(
             *[_taken(getattr(self, name), at) for name in self.__dataclass_fields__]
         )
-
-    def put(self, places: Array, others: Self) -> None:
-        """Replace the lanes at these indices by the lanes `others`, in place."""
-        for name in self.__dataclass_fields__:
-            getattr(self, name)[..., places] = getattr(others, name)
-
-    def extended(self, kind: type[Extended], **more: Array) -> Extended:
-        """Return these lanes as a subclass, which takes the values of its additional
-        fields from the arguments.
-        """
-        return kind(**vars(self), **more)
 
     @classmethod
     def joined(cls, parts: Sequence[Self]) -> Self:
