@@ -9,7 +9,6 @@ import numpy as np
 
 from ...arrays import Array
 from ..batch import Batch
-from ..contacts.lasting_bounces import NEARLY_ELASTIC, too_many_impacts
 from ..lanes import Lanes
 from ..outcome import Outcome
 
@@ -73,13 +72,6 @@ DAMPED = [
     LaneProof(damped_settling, still=True),
     UNSETTLED,
 ]
-TOO_MANY_IMPACTS = LaneProof(
-    lambda batch, lanes: Proved(
-        np.flatnonzero(too_many_impacts(batch.segments, lanes, batch.most_steps)),
-        Outcome.FAILED,
-        np.nan,
-    )
-)
 
 
 def proofs_of(batch: Batch, observed: bool) -> tuple[list[LaneProof], list[LaneProof]]:
@@ -93,10 +85,7 @@ def proofs_of(batch: Batch, observed: bool) -> tuple[list[LaneProof], list[LaneP
         return [FREE_MOTION], []
     # If only the outcome is wanted, lanes that cannot overturn any more end.
     last = [] if observed or batch.peaks else _cannot_overturn(batch)
-    early = [FREE_MOTION]
-    if batch.contact.alike and batch.cells.eta.max(initial=0.0) > NEARLY_ELASTIC:
-        early.append(TOO_MANY_IMPACTS)
-    return early, last
+    return [FREE_MOTION], last
 
 
 def _cannot_overturn(batch: Batch) -> list[LaneProof]:

@@ -15,7 +15,6 @@ import numpy as np
 
 from ..condition import lifted_at_once, through_impact
 from ..contacts.contact import rebound
-from ..contacts.lasting_bounces import too_many_impacts
 from ..contacts.sequences import BELOW_ROUNDING
 from ..drive import place
 from ..equations.recurrence import motion_terms
@@ -310,14 +309,6 @@ class March(MarchState):
             self.unseen += 1
             if self.v <= self.ending or self.unseen >= _UNSEEN:
                 self._rest()
-        # Ask now and then, each time the number of impacts has doubled, whether they
-        # would never end.
-        elif (
-            self.impacts > 15
-            and self.impacts & (self.impacts - 1) == 0
-            and self._bounces_too_often()
-        ):
-            self._finish(Outcome.FAILED)
         elif self.segment < self.motion.count and self._comes_to_rest(to, fall):
             if self.listener is not None and math.isfinite(self.listener.visible):
                 self.ending, self.unseen = _SUMMED * self.v, 0
@@ -412,17 +403,3 @@ class March(MarchState):
             if first
             else Outcome.ROCKED
         )
-
-    def _bounces_too_often(self) -> bool:
-        """True if the body would need more steps than allowed within this segment."""
-        if (
-            self.segment >= self.lane.shaken
-            or self.lane.zeta
-            or self.lane.restraints is not None
-            or not self.contact.alike
-            or self.segments.weighed is not None
-        ):
-            return False
-        lanes = self._lanes()
-        lanes.steps[0] = self.impacts
-        return bool(too_many_impacts(self.segments, lanes, self.most)[0])
