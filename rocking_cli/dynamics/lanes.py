@@ -97,3 +97,19 @@ class Lanes(Arrays):
     # second moments of an error (`condition`): yy, yv and vv of the present state, and
     # that of |theta|/alpha at the largest peak, (4, lanes)
     moments: Array
+
+    @classmethod
+    def at_rest(cls, cells: Cells, cell: Array, side: Array, **others: Any) -> Self:
+        """Return lanes for these cells, at rest on these sides at the start of the
+        motion; others: fields with other values, and those of a subclass.
+        """
+        row, size = cells.row(side), cell.size
+        fields: dict[str, Array] = {
+            "cell": cell,
+            "side": side,
+            "moments": np.zeros((4, size)),
+            **{name: x[row, cell] for name, x in cells._asdict().items()},
+            **{name: np.zeros(size) for name in ("phase", "y", "v", "force", "peak")},
+            **{name: np.zeros(size, int) for name in ("segment", "impacts", "steps")},
+        }
+        return cls(**(fields | others))

@@ -155,23 +155,14 @@ class Run:
         first = batch.contact.uplift(
             batch.cells, batch.segments, cell, batch.first[cell], np.zeros(size)
         )
-        row = batch.cells.row(first.side)
-        amplitude, omega, eta = (values[row, cell] for values in batch.cells)
-        return Lanes(
-            cell=cell,
-            amplitude=amplitude,
-            omega=omega,
-            eta=eta,
+        return Lanes.at_rest(
+            batch.cells,
+            cell,
+            first.side,
             segment=first.segment,
             phase=first.phase,
-            side=first.side,
-            y=np.zeros(size),
-            v=np.zeros(size),
             force=first.force,
             peak=np.full(size, 0.0 if batch.peaks else np.inf),  # none exceeds infinity
-            impacts=np.zeros(size, dtype=np.int32),
-            steps=np.zeros(size, dtype=np.int32),
-            moments=np.zeros((4, size)),
         )
 
     def round(self, lanes: Lanes) -> Lanes:

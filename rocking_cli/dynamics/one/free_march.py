@@ -74,7 +74,7 @@ class March(MarchState):
             ):
                 self.steps += 1
                 self._step()
-                if self.steps > self.most and self.end is None:
+                if self.steps > self.lane.most and self.end is None:
                     self._finish(Outcome.FAILED)
         return self.end
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from ...motions.motion import Motion
-from ..batch import SETTLING
+from ..batch import Batch
 from ..body import Edge
 from ..equations.equation import Equation
 from ..equations.straight_lines import GROWTH, size_limits
@@ -56,21 +56,12 @@ class Lane:
     """
 
     def __init__(self, system: System, motion: Motion, omega: float) -> None:
-        segments = system.segments(motion)
         self.omega = np.array([omega])
-        self.shaken = len(segments)  # number of segments of the motion itself
-        cells = system.contact.cells(system.equation, np.ones(1), self.omega)
-        # no closed form of the free motion: march on over still ground
-        if system.devices is not None:
-            segments = segments.followed_by_rest(math.inf)
-        elif system.equation.damped:
-            segments = segments.followed_by_rest(
-                SETTLING
-                * (1.0 + 3.0 * system.equation.damping)
-                * float(cells.omega.max())
-            )
-        self.system = system
-        self.segments = segments
+        batch = Batch.of(system, system.segments(motion), np.ones(1), self.omega)
+        cells, segments = batch.cells, batch.segments
+        self.system, self.segments = system, segments
+        self.shaken = batch.shaken  # number of segments of the motion itself
+        self.most = batch.most_steps  # number of steps that are too many
         self.motion = MotionLists(segments)
         self.zeta = float(system.equation.damping)
         self.longest = float(np.max(segments.length[: min(self.shaken, _SAMPLED)]))
@@ -160,28 +151,7 @@ class Lane:
     def lanes(self, cells: Cells, side: float) -> Lanes:
         """Return a lane for each cell on a side, at rest at the start of the motion."""
         at = np.arange(cells.amplitude.shape[1])
-        sides = np.full(at.size, side)
-        zero = np.zeros(at.size)
-        count = np.zeros(at.size, dtype=np.int64)
-        amplitude, omega, eta = (
-            values[cells.row(sides), at].astype(float) for values in cells
-        )
-        return Lanes(
-            at,
-            amplitude,
-            omega,
-            eta,
-            count,
-            zero,
-            sides,
-            zero.copy(),
-            zero.copy(),
-            zero.copy(),
-            zero.copy(),
-            count.copy(),
-            count.copy(),
-            np.zeros((4, at.size)),
-        )
+        return Lanes.at_rest(cells, at, np.full(at.size, side))
 
     def tau(self, k: int, u: float) -> float:
         """Time [tau of the first side] from the start of the motion to phase u of

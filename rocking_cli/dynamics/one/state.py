@@ -106,7 +106,6 @@ class MarchState:
         amplitude: float,
         peaks: bool,
         listener: Listener | None,
-        most: int,
     ) -> None:
         self.lane, self.motion, self.segments = lane, lane.motion, lane.segments
         self.contact, self.equation = lane.system.contact, lane.system.equation
@@ -115,7 +114,6 @@ class MarchState:
         )
         self.edges = lane.edges(amplitude)
         self.listener = listener
-        self.most = most  # number of steps, and of impacts, that are too many
         # The state, as in `Lanes`; the force is None where it follows from the drive.
         self.segment, self.phase, self.y, self.v = 0, 0.0, 0.0, 0.0
         self.force: float | None = None

@@ -129,12 +129,7 @@ class TiedMarch:
 
     def _begin(self, cell: Array) -> TiedLanes:
         """Return new lanes for these cells, at their first uplift."""
-        shape = (*self.held, cell.size)
-        amplitude, omega, eta = (
-            np.broadcast_to(x, self.cells.omega.shape)[0, cell].copy()
-            for x in self.cells
-        )
-        lanes = TiedLanes.at_rest(cell, amplitude, omega, eta, shape)
+        lanes = TiedLanes.slack(self.cells, cell, self.held)
         return self._from_rest(lanes, np.arange(cell.size), first=True)
 
     def _from_rest(self, lanes: TiedLanes, at: Array, first: bool = False) -> TiedLanes:
