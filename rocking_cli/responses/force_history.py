@@ -13,7 +13,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..arrays import Array
-from ..dynamics.equations.equation import Equation, Instant
+from ..dynamics.equations.equation import Equation
+from ..dynamics.equations.taylor import Instant
 from ..motions.blocks import blocks
 from ..structures.mechanics.measured import Measured
 from ..structures.parameters import RockingParameters

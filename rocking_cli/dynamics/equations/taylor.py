@@ -5,6 +5,7 @@ its step, so no step is rejected. Impacts and peaks are roots of the series.
 import math
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
 
@@ -14,7 +15,6 @@ from ...motions.blocks import blocks
 from ...motions.segments import Segments
 from ..drive import segment_value
 from ..lanes import Arrays, Lanes
-from .equation import Drive, Instant
 from .recurrence import Recurrence, TermRows, motion_terms
 
 # Allowed error of a step, in y', over the tolerance: errors double every 0.7 in tau,
@@ -31,6 +31,25 @@ RECIPROCALS = [1.0 / ((n + 1) * (n + 2)) for n in range(2 * MOST_TERMS)]
 WITHIN = 1e-2 * LOCAL
 # replaces x = 0, since derivatives are computed as n (n - 1) ... c_n x^n / x^d
 _TINY = 1e-90
+
+
+class Instant(NamedTuple):
+    """State of lanes at an instant of an arc. Every array is (lanes,)."""
+
+    y: Array  # displacement, in the unit of the side
+    v: Array  # velocity y', by tau
+    b: Array  # acceleration y'', by tau
+    j: Array  # jerk y''', by tau
+
+
+class Drive(NamedTuple):
+    """The shaking of lanes: series in powers of the time over `unit`, from now on."""
+
+    # terms of the outward drive over its value at uplift [-], (terms, lanes)
+    terms: TermRows
+    unit: Array  # unit of time of the series [tau], (lanes,)
+    # terms of the weight over m g [-], (terms, lanes); None if it is constant
+    weight: TermRows | None = None
 
 
 @dataclass
@@ -263,17 +282,6 @@ def series_flow(
             some.force,
         )
     return y, fastest
-
-
-def series(
-    terms: Array, fastest: Array, tolerance: float, damping: Array | float = 0.0
-) -> TaylorSeries:
-    """Build the series from its terms, with the longest step that the tolerance allows;
-    arguments as of `longest`.
-    """
-    return TaylorSeries(
-        terms, 1.0 / fastest, longest(terms, fastest, tolerance), fastest, damping
-    )
 
 
 def longest(terms: Array, fastest: Array, tolerance: float) -> Array:

@@ -11,13 +11,9 @@ from typing import Any
 import numpy as np
 
 from ...arrays import Array
-from ...motions.segments import Segments
-from ..lanes import Lanes
 from .equation import Equation
 from .mechanism import MechanismEquation, composed
 from .recurrence import Series, TermRows
-from .straight_lines import line_flow
-from .taylor import TaylorSeries, series_flow
 
 
 class TwoMechanisms(Equation):
@@ -104,15 +100,10 @@ class TwoMechanisms(Equation):
         assert self.which is not None  # `on` has chosen the lanes
         return self.which if self.which.size == size else self.which.repeat(size)
 
-    def flow(self, segments: Segments, lanes: Lanes) -> TaylorSeries:
-        """The series of every lane from its present state."""
-        if segments.straight:
-            return line_flow(self, segments, lanes)
-        y, fastest = series_flow(self, segments, lanes, self.order)
-        longest = self._each(
-            lambda one, at: one.longest(y[:, at], fastest[at]), fastest.size
+    def longest(self, terms: Array, fastest: Array) -> Array:
+        return self._each(
+            lambda one, at: one.longest(terms[:, at], fastest[at]), fastest.size
         )
-        return TaylorSeries(y, 1.0 / fastest, longest, fastest, self.damping)
 
     def along(
         self, y: Series, new: Callable[[], Series]

@@ -23,11 +23,11 @@ from ...motions.segments import Segments
 from ..batch import cannot_return, inward_to_come
 from ..drive import drive_change
 from ..equations import taylor
-from ..equations.equation import Equation, Instant
+from ..equations.equation import Equation
 from ..equations.recurrence import Series, product_term, product_terms
 from ..equations.rigid_body import RigidBodyEquation
 from ..equations.straight_lines import growth_rate, line_flow
-from ..equations.taylor import TaylorSeries
+from ..equations.taylor import Instant, TaylorSeries
 from ..lanes import Lanes
 from ..march.one_turn import error_of, one_turn_step
 from ..march.roots import fall_guess, only_root
@@ -128,7 +128,8 @@ class Law:
             return line_flow(held, segments, lanes, growth_rate(stiffness))
         rate = 1.0 + np.sqrt(stiffness)
         terms, fastest = taylor.series_flow(held, segments, lanes, self.order, rate)
-        return taylor.series(terms, fastest, self.tolerance, equation.damping)
+        step = taylor.longest(terms, fastest, self.tolerance)
+        return TaylorSeries(terms, 1.0 / fastest, step, fastest, equation.damping)
 
 
 class LinearMoment(NamedTuple):
