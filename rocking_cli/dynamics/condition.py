@@ -20,7 +20,7 @@ each other at once M stays finite: no speed below `_SLOWEST` counts.
 """
 
 import math
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 
@@ -145,20 +145,11 @@ def sheared(m: ErrorMoments, jump: Any, v: Any) -> Array:
     return np.array([yy, yv + turn * yy, vv + turn * (2.0 * yv + turn * yy)])
 
 
-class Differentiable(Protocol):
-    """A law of motion whose slope is known: an equation, alone or with restraints."""
-
-    damping: Any  # zeta [-], float or (lanes,)
-
-    def slope(self, y: Any, force: Any) -> Any:
-        """df/dy at displacement y, under the drive that gives this force f."""
-
-
 def slope_between(
-    law: Differentiable, start: tuple[Any, Any], end: tuple[Any, Any], h: Any
+    law: Any, start: tuple[Any, Any], end: tuple[Any, Any], h: Any
 ) -> Any:
     """Return df/dy in the middle of arcs of duration h between two states (y, v);
-    arrays or floats.
+    arrays or floats; law: an equation, alone or with restraints.
     """
     y, v = 0.5 * (start[0] + end[0]), 0.5 * (start[1] + end[1])
     force = (end[1] - start[1]) / (h + _TINY) + 2.0 * law.damping * v

@@ -57,6 +57,17 @@ def _taken(x: Any, at: Any) -> Any:
     return x.take(at) if isinstance(x, Arrays) else x
 
 
+def of_each_cell(bodies: Sequence[Any], counts: Sequence[int]) -> dict[str, Any]:
+    """Return the fields that are `cellwise`, for so many cells of each of these objects
+    of one class: a number becomes an array (cells,), a tuple a tuple of arrays.
+    """
+    found = {}
+    for name in bodies[0].cellwise:
+        cells = np.repeat([getattr(one, name) for one in bodies], counts, axis=0)
+        found[name] = cells if cells.ndim == 1 else tuple(cells.T)
+    return found
+
+
 class Cells(NamedTuple):
     """The drive of each cell. The arrays have one row, (1, cells), if the sides are
     alike; otherwise they have two, (2, cells), first the right edge (theta > 0), then

@@ -321,7 +321,8 @@ def response_under_records(
     chain = Chain.of([record.coarsest.segments for record in records])
     batch = Batch.of(system, chain, amplitude, omega, first=chain.first[which])
     speed = PeakSpeed(batch)
-    watched = amplitude > system.safe_amplitudes(records, which)
+    largest = np.array([record.largest for record in records])[which]
+    watched = amplitude > system.safe_amplitude(records[0], largest=largest)
     run = _marched(system, batch, watched, speed)
     return _with_speed(run, speed, amplitude.shape)
 

@@ -344,7 +344,6 @@ class Writer:
             np.ascontiguousarray(terms.T),
             unit,
             unit,
-            np.ones(unit.size),
             float(self.equation.damping),
         )
         return HistoryArcs(start, start + reach / pace, side, flow, pace)

@@ -14,7 +14,7 @@ from ...arrays import Array
 from ...errors import ArgumentError
 from ...motions.segments import Segments
 from ..equations.equation import Equation
-from ..lanes import Cells, Lanes
+from ..lanes import Cells, Lanes, of_each_cell
 from ..outcome import Outcome
 from .sequences import OtherSide, sequence_ends, sequence_time
 from .uplift import Uplift, first_uplift
@@ -63,12 +63,7 @@ class Contact(ABC):
         """
         if all(one == self for one in contacts):
             return self
-        numbers: dict[str, Any] = {}
-        for name in self.cellwise:
-            of_each = [getattr(one, name) for one in contacts]
-            cells = np.repeat(of_each, counts, axis=0)
-            numbers[name] = cells if cells.ndim == 1 else tuple(cells.T)
-        return replace(self, **numbers)
+        return replace(self, **of_each_cell(contacts, counts))
 
     def amplitudes(self, equation: Equation, amplitude: Array) -> Array:
         """Return the amplitudes of cells on each side, as in `Cells`, from A,

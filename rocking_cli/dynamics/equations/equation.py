@@ -112,7 +112,7 @@ class Equation(ABC):
             return line_flow(self, segments, lanes)
         terms, fastest = series_flow(self, segments, lanes, self.order)
         step = self.longest(terms, fastest)
-        return TaylorSeries(terms, 1.0 / fastest, step, fastest, self.damping)
+        return TaylorSeries(terms, 1.0 / fastest, step, self.damping)
 
     def longest(self, terms: Array, fastest: Array) -> Array:
         """Return the longest steps that the tolerance allows [tau], (lanes,); arguments

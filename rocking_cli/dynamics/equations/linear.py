@@ -82,9 +82,8 @@ class LinearEquation(Equation):
 
     def of_each_cell(self, equations: Sequence[Self], counts: Sequence[int]) -> Self:
         numbers = [one.damping for one in equations]
-        return (
-            self if len(set(numbers)) == 1 else self._with(np.repeat(numbers, counts))
-        )
+        one = len(set(numbers)) == 1
+        return self if one else self._with(np.repeat(numbers, counts))
 
     @property
     def error_unit(self) -> float:

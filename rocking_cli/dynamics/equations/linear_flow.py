@@ -49,7 +49,6 @@ class LinearFlow(Arrays):
     sin: Array  # S: rate of the outward drive at the start over w [-]
     cos: Array  # C: the sinusoid in the outward drive at the start [-]
     w: Array  # angular frequency over p [1/tau]
-    damping = 0.0
 
     @classmethod
     def of(cls, segments: Segments, lanes: Lanes) -> "LinearFlow":

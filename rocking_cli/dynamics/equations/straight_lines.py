@@ -4,7 +4,7 @@ needs, the terms, and the error that they leave out.
 
 import math
 from collections.abc import Sequence
-from typing import Protocol
+from typing import Any
 
 import numpy as np
 
@@ -83,18 +83,9 @@ def last_terms(terms: Array, last: Array, unit: Array) -> Array:
     return size
 
 
-class OnLine(Protocol):
-    """Lanes on straight lines, as `Lanes`."""
-
-    side: Array
-    amplitude: Array
-    omega: Array
-    segment: Array
-    phase: Array
-
-
-def line_drive(segments: Segments, lanes: OnLine, unit: Array | None = None) -> Drive:
-    """Return the drive of lanes on their straight line from now on. unit: unit of time
+def line_drive(segments: Segments, lanes: Any, unit: Array | None = None) -> Drive:
+    """Return the drive of lanes, with the names of `Lanes`, on their straight line from
+    now on. unit: unit of time
     of the series [tau], None for the rest of the line.
     """
     if unit is None:
@@ -132,7 +123,7 @@ def weight_series(segments: Segments, lanes: Lanes, order: int) -> TaylorSeries 
         drive, _ = drive_series(segments, lanes, order)
     assert drive.weight is not None
     unit = drive.unit
-    return TaylorSeries(drive.weight.array[:, : unit.size], unit, unit, 1.0 / unit)
+    return TaylorSeries(drive.weight.array[:, : unit.size], unit, unit)
 
 
 def line_flow(
@@ -190,7 +181,6 @@ def line_flow(
         terms,
         unit,
         np.minimum(short, 1.0) * unit,
-        np.full(unit.shape, growth),
         equation.damping,
         error,
     )

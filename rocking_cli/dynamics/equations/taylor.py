@@ -59,25 +59,9 @@ class TaylorSeries(Arrays):
     terms: Array  # coefficients of y, (terms, lanes)
     unit: Array  # unit of time of the series [tau], (lanes,)
     longest: Array  # longest h for which the series holds [tau], (lanes,)
-    fastest: Array  # rate of the fastest change [1/tau], (lanes,)
     damping: Array | float = 0.0  # zeta [-], float or (lanes,)
     # bound of the error of y' after `longest`, None where the terms tell it, (lanes,)
     error: Array | None = None
-
-    @property
-    def y(self) -> Array:
-        """Displacement at the start."""
-        return self.terms[0]
-
-    @property
-    def v(self) -> Array:
-        """Velocity at the start."""
-        return self.terms[1] / self.unit
-
-    @property
-    def b(self) -> Array:
-        """Acceleration at the start."""
-        return 2.0 * self.terms[2] / self.unit**2
 
     def at(self, h: Array) -> Instant:
         """y and its first three derivatives after h [tau], (lanes,)."""

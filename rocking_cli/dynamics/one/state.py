@@ -383,13 +383,13 @@ class MarchState:
         self, reach: float, terms: list[float], speed: float, bend: float
     ) -> Arcs:
         """This step as the step of one lane."""
-        none, h, zeta = np.zeros(1), np.array([reach]), self.lane.zeta
-        arc = TaylorSeries(np.array(terms)[:, None], h, h, none, zeta)
+        h, zeta = np.array([reach]), self.lane.zeta
+        arc = TaylorSeries(np.array(terms)[:, None], h, h, zeta)
         of_weight = None
         if self.weight is not None:
             unit = np.array([self.factors_of[0]])
             rows = np.array(self.weight)[:, None]
-            of_weight = TaylorSeries(rows, unit, unit, none)
+            of_weight = TaylorSeries(rows, unit, unit)
         bounds = np.array([speed]) / h, np.array([bend]) / (h * h)
         wanted, held = np.ones(1, dtype=bool), self._devices_now()
         return Arcs(self._lanes(), arc, h, *bounds, wanted, of_weight, held)

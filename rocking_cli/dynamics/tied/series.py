@@ -129,7 +129,7 @@ class Law:
         rate = 1.0 + np.sqrt(stiffness)
         terms, fastest = taylor.series_flow(held, segments, lanes, self.order, rate)
         step = taylor.longest(terms, fastest, self.tolerance)
-        return TaylorSeries(terms, 1.0 / fastest, step, fastest, equation.damping)
+        return TaylorSeries(terms, 1.0 / fastest, step, equation.damping)
 
 
 class LinearMoment(NamedTuple):
