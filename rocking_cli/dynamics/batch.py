@@ -9,7 +9,7 @@ import numpy as np
 from ..arrays import Array
 from ..motions.segments import Segments
 from .contacts.contact import Contact
-from .contacts.uplift import Uplift, first_uplift
+from .contacts.uplift import first_uplift
 from .equations.equation import Equation
 from .lanes import Cells, Lanes
 from .system import System
@@ -23,21 +23,13 @@ MAX_STEPS = 20_000
 _INSTANT = 1e-9
 
 
-def most_steps(segments: int) -> int:
-    """The number of steps beyond which a cell fails under a motion of so many
-    segments.
-    """
-    return MAX_STEPS + 10 * segments
-
-
-class FreeFall:
+class FreeFall(NamedTuple):
     """The first instant at which the ground falls away from the body of each cell."""
 
-    def __init__(self, segments: Segments, falls: Uplift, occurs: Array) -> None:
-        self.segments = segments
-        # segment and phase [rad] of this instant, (cells,) each
-        self.segment, self.phase = falls.segment, falls.phase
-        self.occurs = occurs  # True if there is such an instant, (cells,)
+    segments: Segments  # segments of the motion
+    segment: Array  # segment of this instant, (cells,)
+    phase: Array  # phase there [rad], (cells,)
+    occurs: Array  # True if there is such an instant, (cells,)
 
     @classmethod
     def of(cls, segments: Segments, cells: Cells, shaken: int) -> Self | None:
@@ -52,7 +44,9 @@ class FreeFall:
         # w = 1 + sway s_v falls below 0 where a body of uplift 1/sway would be lifted
         falls = first_uplift(weighed.vertical, zero.astype(np.int64), zero, sway, zero)
         occurs = falls.segment < shaken
-        return cls(segments, falls, occurs) if occurs.any() else None
+        if not occurs.any():
+            return None
+        return cls(segments, falls.segment, falls.phase, occurs)
 
     def time_left(self, lanes: Lanes) -> Array:
         """Return the time [tau] left until the ground falls away; 0 after this instant,
@@ -121,7 +115,7 @@ class Batch(NamedTuple):
             shaken,
             peaks,
             free_fall,
-            most_steps(shaken),
+            MAX_STEPS + 10 * shaken,
         )
 
     @property

@@ -16,7 +16,7 @@ from ...motions.segments import Segments
 from ..equations.equation import Equation
 from ..lanes import Cells, Lanes, of_each_cell
 from ..outcome import Outcome
-from .sequences import OtherSide, sequence_ends, sequence_time
+from .sequences import OtherSide
 from .uplift import Uplift, first_uplift
 
 
@@ -145,20 +145,6 @@ class Contact(ABC):
         reference edge, as A and Omega are; cell: the cells of the lanes.
         """
         return rate
-
-    def sequence_ends(
-        self, segments: Segments, lanes: Lanes, equation: Equation
-    ) -> Array:
-        """True for lanes just after an impact whose sequence of impacts is proved to
-        end in rest before any other event (Lemma 7).
-        """
-        return sequence_ends(segments, lanes, equation, self.other_side(lanes))
-
-    def sequence_time(self, segments: Segments, lanes: Lanes) -> Array:
-        """How long the sequence of impacts lasts [tau of the side] if drive and weight
-        stay as they are now; 0 if it does not end.
-        """
-        return sequence_time(segments, lanes, self.other_side(lanes))
 
     def free_motion(
         self, equation: Equation, lanes: Lanes, at: Array, y: Array, v: Array

@@ -4,6 +4,7 @@ needs, the terms, and the error that they leave out.
 
 import math
 from collections.abc import Sequence
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -49,6 +50,7 @@ def degrees(
     return degree
 
 
+@lru_cache(maxsize=256)
 def size_limits(unit: float, tolerance: float, growth: float = GROWTH) -> list[float]:
     """Return the largest size, as `degrees` takes it, for which a series of degree 3, 4
     ... up to `MOST_TERMS` holds over this unit; growth: as of `degrees`.

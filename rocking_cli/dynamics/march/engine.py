@@ -15,7 +15,7 @@ import numpy as np
 from ...arrays import Array
 from ..batch import Batch, cannot_return
 from ..condition import lifted_at_once, rows, through_impact
-from ..contacts.sequences import STILL
+from ..contacts.sequences import STILL, sequence_ends
 from ..drive import place
 from ..equations.straight_lines import weight_series
 from ..equations.taylor import TaylorSeries
@@ -289,7 +289,8 @@ class Run:
         finish them.
         """
         batch = self.batch
-        ends = batch.contact.sequence_ends(batch.segments, lanes, batch.equation)
+        there = batch.contact.other_side(lanes)
+        ends = sequence_ends(batch.segments, lanes, batch.equation, there)
         resting = np.flatnonzero(ends | (lanes.v < STILL))
         for observer in self.observers if resting.size else ():
             resting = resting[observer.may_rest(lanes.take(resting))]
@@ -353,8 +354,8 @@ class Run:
         if proof.still and self.batch.peaks:
             carry_free_peaks(self.batch, lanes, at, np.broadcast_to(peak, at.shape))
         self.finish(lanes, at, outcome, peak)
-        if proof.counts:
-            setattr(self.work, proof.counts, getattr(self.work, proof.counts) + at.size)
+        if proof.still and not self.batch.equation.damped:
+            self.work.free_phase += at.size
         return at
 
     def overturn(self, lanes: Lanes, at: Array) -> None:

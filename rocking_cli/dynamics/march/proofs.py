@@ -32,7 +32,6 @@ class LaneProof(NamedTuple):
     # function of the batch and of its lanes just after an impact; returns the lanes
     # whose outcome it proves
     proves: Callable[[Batch, Lanes], Proved]
-    counts: str = ""  # field of `Work` that counts these lanes
     # True for a proof about still ground, before which the run calls its observers
     still: bool = False
 
@@ -61,7 +60,7 @@ def damped_settling(batch: Batch, lanes: Lanes) -> Proved:
     return Proved(at, Outcome.ROCKED, lanes.peak[at])
 
 
-FREE_MOTION = LaneProof(free_motion, "free_phase", still=True)
+FREE_MOTION = LaneProof(free_motion, still=True)
 UNSETTLED = LaneProof(
     lambda batch, lanes: Proved(
         np.flatnonzero(lanes.segment >= len(batch.segments)), Outcome.FAILED, np.nan

@@ -15,7 +15,7 @@ import numpy as np
 
 from ..condition import lifted_at_once, through_impact
 from ..contacts.contact import rebound
-from ..contacts.sequences import BELOW_ROUNDING
+from ..contacts.sequences import BELOW_ROUNDING, sequence_ends, sequence_time
 from ..drive import place
 from ..equations.recurrence import motion_terms
 from ..equations.taylor import LONGEST, MOST_TERMS, RECIPROCALS
@@ -327,11 +327,13 @@ class March(MarchState):
 
     def _sequence_ends(self, lanes: Lanes) -> bool:
         """True if Lemma 7 proves that the bounces end in rest."""
-        return bool(self.contact.sequence_ends(self.segments, lanes, self.equation)[0])
+        there = self.contact.other_side(lanes)
+        return bool(sequence_ends(self.segments, lanes, self.equation, there)[0])
 
     def _sequence_time(self, lanes: Lanes) -> float:
         """How long the bounces last [tau of the side]."""
-        return float(self.contact.sequence_time(self.segments, lanes)[0])
+        there = self.contact.other_side(lanes)
+        return float(sequence_time(self.segments, lanes, there)[0])
 
     def _slow_enough(self, edge: LaneEdge, fall: float) -> bool:
         """The part of the test of Lemma 7 that needs no arrays: False if the lemma

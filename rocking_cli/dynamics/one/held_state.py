@@ -62,15 +62,8 @@ class HeldState(March):
         held = self.held
         limits = held.limits
         if self.segment < self.lane.shaken:
-            limits = self._limits_of_lines()
+            limits = self.lane.size_limits(self.edge.omega, held.growth)
         return 3 + bisect_left(limits, held.size(shaking, self.y, self.v))
-
-    def _limits_of_lines(self) -> list[float]:
-        key = self.edge.omega, self.held.growth
-        found = self.restraints.limits.get(key)
-        if found is None:
-            found = self.restraints.limits[key] = self.lane.size_limits(*key)
-        return found
 
     def _stretch(self, y: float) -> None:
         """Keep the elongations of the devices at y if they are the largest so far."""

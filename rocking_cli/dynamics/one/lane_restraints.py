@@ -56,8 +56,6 @@ class LaneRestraints:
         self.devices, self.equation = devices, system.equation
         self.law = Law(system.equation, devices)
         self.bounces = Bounces(devices, system.contact, system.equation, segments)
-        # as of `Lane.size_limits`, by Omega and growth rate
-        self.limits: dict[tuple[float, float], list[float]] = {}
         self._held: dict[tuple[float, bytes, bytes], BodyOnBranch] = {}
 
     def slack(self) -> TiedLanes:
