@@ -20,7 +20,7 @@ SETTLING = 250.0
 # a cell with more steps than this plus 10 for each segment of the motion fails
 MAX_STEPS = 20_000
 # tau: this close to a free fall of the ground the weight counts as zero
-_INSTANT = 1e-9
+INSTANT = 1e-9
 
 
 class FreeFall(NamedTuple):
@@ -54,7 +54,7 @@ class FreeFall(NamedTuple):
         """
         k, start = self.segment[lanes.cell], self.segments.start
         last = len(self.segments) - 1
-        # The rounding error of this difference is far below `_INSTANT`.
+        # The rounding error of this difference is far below `INSTANT`.
         ahead = start[np.minimum(k, last)] - start[np.minimum(lanes.segment, last)]
         until = (ahead + (self.phase[lanes.cell] - lanes.phase)) / lanes.omega
         return np.where(
@@ -63,7 +63,7 @@ class FreeFall(NamedTuple):
 
     def has_begun(self, lanes: Lanes) -> Array:
         """True for lanes from which the ground falls away now."""
-        return np.asarray(self.time_left(lanes) <= _INSTANT)
+        return np.asarray(self.time_left(lanes) <= INSTANT)
 
 
 class Batch(NamedTuple):

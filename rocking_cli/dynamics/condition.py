@@ -33,7 +33,7 @@ _TINY = 1e-300  # an arc without duration has a mean force too
 # The error of a step is at most so many times its last terms, and a rounding, which
 # takes in that of the drive.
 _SAFETY, _ROUNDING = 3.0, 1e-14
-_STEP = 1e-6  # change of y for a derivative by differences
+STEP = 1e-6  # change of y for a derivative by differences
 
 ErrorMoments = tuple[Any, Any, Any]  # yy, yv and vv
 
@@ -167,8 +167,8 @@ def at_free_peak(
     size = np.hypot(v, force) + _TINY
     by_y, by_v = -force / size, v / size
     # A body that overturns by the difference is as sensitive as one can see.
-    higher = (peak(y + _STEP * by_y, v + _STEP * by_v) - highest) / _STEP
-    rate = np.nan_to_num(higher, nan=1.0 / _STEP)
+    higher = (peak(y + STEP * by_y, v + STEP * by_v) - highest) / STEP
+    rate = np.nan_to_num(higher, nan=1.0 / STEP)
     yy, yv, vv = moments
     square = by_y * by_y * yy + 2.0 * by_y * by_v * yv + by_v * by_v * vv
     return np.asarray(rate * rate * square)

@@ -16,12 +16,11 @@ import numpy as np
 from ...arrays import Array
 from ...errors import ArgumentError
 from ...motions.segments import Segments
+from ..condition import STEP
 from ..lanes import Lanes
 from .recurrence import Series
 from .straight_lines import line_flow
 from .taylor import TaylorSeries, longest, series_flow
-
-_STEP = 1e-6  # change of y for a derivative by differences
 
 
 class Equation(ABC):
@@ -149,7 +148,7 @@ class Equation(ABC):
         y, force = np.atleast_1d(y), np.atleast_1d(force)
         still = self.force(y, np.zeros(y.shape))
         drive = (force - still) / (self.force(y, np.ones(y.shape)) - still)
-        return np.asarray((self.force(y + _STEP, drive) - force) / _STEP)
+        return np.asarray((self.force(y + STEP, drive) - force) / STEP)
 
     def rotation(self, y: Array) -> Array:
         """|theta|/alpha at displacement y, of any shape."""

@@ -110,11 +110,8 @@ class RigidBodyEquation(Equation):
         which it has `own`.
         """
         there = object.__new__(type(self))
-        there.damped = self.damped
-        there.order = self.order
-        there.tolerance = self.tolerance
-        there._by_cell = self._by_cell
-        there._two_edged = self._two_edged
+        for name in ("damped", "order", "tolerance", "_by_cell", "_two_edged"):
+            setattr(there, name, getattr(self, name))
         there._take(each, own)
         return there
 

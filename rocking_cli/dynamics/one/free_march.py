@@ -13,6 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..batch import INSTANT
 from ..condition import lifted_at_once, through_impact
 from ..contacts.contact import rebound
 from ..contacts.sequences import BELOW_ROUNDING, sequence_ends, sequence_time
@@ -38,7 +39,6 @@ from .step import (
 
 _LONGEST = 4.0  # tau: longest step along sinusoids
 _SHORTEST = 1e-14  # tau: a body whose series holds no longer than this fails
-_INSTANT = 1e-9  # tau: this close to a free fall of the ground the weight counts as 0
 # tau: moments of an error are carried over no longer arcs, and over several lines of a
 # record at once as long as these together are no longer
 _SLOWLY, _WAITS = 0.5, 0.25
@@ -94,7 +94,7 @@ class March(MarchState):
         ) / edge.omega
         if self.free_fall is not None and self.free_fall.occurs[0]:
             left = min(whole, float(self.free_fall.time_left(self._lanes())[0]))
-            if left <= _INSTANT:
+            if left <= INSTANT:
                 self._fall_freely()
                 return
         terms, h = self._series(left)

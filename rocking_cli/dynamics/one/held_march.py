@@ -12,23 +12,22 @@ import numpy as np
 from ..condition import in_tolerances, sheared
 from ..lanes import Cells, Lanes
 from ..outcome import Outcome
+from ..tied.cuts import SLOWEST
 from ..tied.devices import BROKEN, ELASTIC, SLACK, YIELDING
-from ..tied.tied_lanes import TiedLanes
+from ..tied.tied_lanes import STILL, TiedLanes
 from .free_march import Stop
 from .held_state import HeldState
 from .lane import LaneEdge
 from .lane_restraints import ONE
 from .step import after_turn, bulge, only_fall, root, turn_of, value
 
-_STILL = 1e-20  # a speed below this after an impact counts as zero
-_SLOWEST = 1e-14  # speed at which an upper end is passed, at least
 _WORDS = {SLACK: "slack", ELASTIC: "engagement", YIELDING: "yield", BROKEN: "rupture"}
 
 
 class HeldMarch(HeldState):
     """The march of one body with restraints, from event to event."""
 
-    still = _STILL
+    still = STILL
 
     # From branch to branch.
 
@@ -181,7 +180,7 @@ class HeldMarch(HeldState):
             self._note_changes(branch)
 
     def _pass_upper_end(self, v: float) -> None:
-        self.v = max(v, _SLOWEST)
+        self.v = max(v, SLOWEST)
         self._stretch(self.y)
         if self.held.high >= self.edge.limit:
             self._finish(self._overturned())

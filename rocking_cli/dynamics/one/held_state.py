@@ -11,16 +11,12 @@ import numpy as np
 from ..lanes import Lanes
 from ..outcome import Outcome
 from ..tied.devices import Branch
-from ..tied.tied_lanes import TiedLanes
+from ..tied.tied_lanes import TiedLanes, touch_of
 from ..tied.transitions import Transitions
 from .free_march import March
 from .lane import LaneEdge
 from .lane_restraints import ONE
 from .state import Ended, LawOfDevices
-
-# largest |y| of a touch over the peak: this part of the tolerance of y, or rounding;
-# to it comes what the last step leaves out
-_TOUCH, _ROUNDING = 1e-2, 1e-13
 
 
 class HeldState(March):
@@ -34,7 +30,7 @@ class HeldState(March):
         self.changes = Transitions(devices)
         self.held = self.restraints.on(1.0, self.edge.limit, self.ties)
         self.watched, self.peak = True, 0.0  # the peak tells how close a touch is
-        self.touch = max(_ROUNDING, _TOUCH * self.equation.tolerance)
+        self.touch = touch_of(self.equation.tolerance)
         self.reached = [0.0, 0.0]  # y up to which elongations are noted, by row
         # second moment of the error of y at which a restraint yielded (`tied.carried`)
         self.yielded = 0.0

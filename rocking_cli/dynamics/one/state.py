@@ -11,10 +11,11 @@ import numpy as np
 from ...arrays import Array
 from ..batch import FreeFall, cannot_return
 from ..body import relief
-from ..condition import ErrorMoments, along, at_free_peak, slope_between
+from ..condition import ErrorMoments, along, slope_between
 from ..contacts.sequences import STILL
 from ..equations.taylor import WITHIN, TaylorSeries
 from ..lanes import Cells, Lanes
+from ..march.carried import carry_free_peaks
 from ..march.roots import from_powers
 from ..observers.observer import Arcs
 from ..outcome import FALLEN, LOST, Outcome
@@ -172,21 +173,12 @@ class MarchState:
         )
         outcome = Outcome(int(free.outcome(self.bounced)[0]))
         if outcome == Outcome.ROCKED:
-            highest = self._onto_first(float(free.peak[0]))
-            if self.carries and highest > self.peak:
+            if self.carries:
                 self._carry_on(self.y, self.v, 0.0)
-                here = self.equation.on(np.array([self.edge.side]))
-                moment = at_free_peak(
-                    np.array([self.moments]).T,
-                    (lanes.y, lanes.v, here.force(lanes.y, np.zeros(1))),
-                    free.peak,
-                    lambda y, v: (
-                        self.contact.free_motion(
-                            self.equation, lanes, np.array([0]), y, v
-                        ).peak
-                    ),
-                )
-                self._at_peak(float(moment[0]), float(free.peak[0]))
+                lanes.moments[:3, 0] = self.moments
+                carry_free_peaks(self.lane.system, lanes, np.array([0]), free.peak)
+                self.peak_moment = float(lanes.moments[3, 0])
+            highest = self._onto_first(float(free.peak[0]))
             self.peak = max(self.peak, highest)
         self._finish(outcome)
 

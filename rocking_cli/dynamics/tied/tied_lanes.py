@@ -13,7 +13,17 @@ from ..lanes import Cells, Lanes
 from ..outcome import Work
 from .devices import Branch
 
+# a speed below this counts as zero: it changes y by about as much, and a later uplift
+# by far less than rounding
+STILL = 1e-20
+# largest |y| of a touch over the peak: this part of the tolerance of y, or rounding
+_TOUCH, _ROUNDING = 1e-2, 1e-13
 _SIGNS = ("exact", "bounced", "rests")  # fields that are True or False
+
+
+def touch_of(tolerance: float) -> float:
+    """The largest |y| of a touch of the ground over the peak, at a tolerance of y."""
+    return max(_ROUNDING, _TOUCH * tolerance)
 
 
 @dataclass

@@ -52,17 +52,12 @@ from .carried import carry_step, carry_through_break, keep_yield_error
 from .cuts import cut
 from .devices import Branch, Devices
 from .series import HeldBody, Law, Step, one_turn
-from .tied_lanes import CutStep, Found, OnBranch, TiedLanes
+from .tied_lanes import STILL, CutStep, Found, OnBranch, TiedLanes, touch_of
 from .tied_lines import LEAST_LINES, TiedLines
 from .transitions import Transitions
 
-# a speed below this counts as zero: it changes y by about as much, and a later uplift
-# by far less than rounding
-_STILL = 1e-20
 _TOGETHER = 8192  # lanes
 _DOUBTFUL = 1.0  # y beyond which the march tests whether a body can come back
-# largest |y| of a touch over the peak: this part of the tolerance of y, or rounding
-_TOUCH, _ROUNDING = 1e-2, 1e-13
 
 
 class TiedMarch:
@@ -100,7 +95,7 @@ class TiedMarch:
         self.lines = None
         if of_lines and self.segments.weighed is None:
             self.lines = TiedLines(batch, self.devices, self.observers)
-        self.touch = max(_ROUNDING, _TOUCH * self.equation.tolerance)
+        self.touch = touch_of(self.equation.tolerance)
         self.most = batch.most_steps  # steps beyond which a lane fails
         self.held = self.devices.sides, len(self.devices.names)
         self.found = Found.empty((*self.held, batch.size))
@@ -380,7 +375,7 @@ class TiedMarch:
             (left.v, self._acceleration(left)),
             omega / left.omega,
         )
-        stops = struck.v < _STILL
+        stops = struck.v < STILL
         # Bounces that end in rest (Lemma 7) and are proved to keep contact (Lemma 13).
         low = lanes.take(at)
         ends = self.bounces.end(low)
