@@ -15,6 +15,7 @@ from ..outcome import Outcome
 from ..tied.cuts import SLOWEST
 from ..tied.devices import BROKEN, ELASTIC, SLACK, YIELDING
 from ..tied.tied_lanes import STILL, TiedLanes
+from ..tied.transitions import leave, pass_end, release, unload
 from .free_march import Stop
 from .held_state import HeldState
 from .lane import LaneEdge
@@ -44,13 +45,13 @@ class HeldMarch(HeldState):
     def _onto(self, edge: LaneEdge) -> None:
         super()._onto(edge)
         self.ties.side[0] = edge.side
-        self.changes.leave(self.ties, ONE)
+        leave(self.devices, self.ties, ONE)
         self._hold()
 
-    def _release(self, release: float) -> None:
-        super()._release(release)
+    def _release(self, rotation: float) -> None:
+        super()._release(rotation)
         self.ties.y[0] = self.y
-        self.changes.release(self.ties)
+        release(self.devices, self.ties)
         self.reached[0] = self.y
         self._hold()
 
@@ -65,7 +66,7 @@ class HeldMarch(HeldState):
         """Move the devices that are at an end of their branch to the next one."""
         before, branch = self.held, self.ties.branch[self.held.row[0], :, 0].copy()
         self.ties.y[0] = self.y
-        broken = self.changes.pass_end(self.ties, ONE, before.row, limits, sign)
+        broken = pass_end(self.devices, self.ties, ONE, before.row, limits, sign)
         self._hold()
         self._note_changes(branch)
         if broken.size and self.carries:
@@ -81,7 +82,7 @@ class HeldMarch(HeldState):
         for i in np.flatnonzero(now != before).tolist():
             unloads = before[i] == YIELDING and now[i] == ELASTIC
             word = "unloading" if unloads else _WORDS[int(now[i])]
-            name = self.restraints.devices.names[i]
+            name = self.devices.names[i]
             self._note(word, self.y, self.v, device=name)
 
     # Events in a step.
@@ -175,7 +176,7 @@ class HeldMarch(HeldState):
             self.yielded = max(self.yielded, self.moments[0])
             branch = self.ties.branch[self.held.row[0], :, 0].copy()
             self.ties.y[0] = self.y
-            self.changes.unload(self.ties, ONE, self.held.row)
+            unload(self.devices, self.ties, ONE, self.held.row)
             self._hold()
             self._note_changes(branch)
 

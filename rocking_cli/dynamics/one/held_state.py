@@ -12,7 +12,7 @@ from ..lanes import Lanes
 from ..outcome import Outcome
 from ..tied.devices import Branch
 from ..tied.tied_lanes import TiedLanes, touch_of
-from ..tied.transitions import Transitions
+from ..tied.transitions import keep_yield, stretch
 from .free_march import March
 from .lane import LaneEdge
 from .lane_restraints import ONE
@@ -25,9 +25,8 @@ class HeldState(March):
     def _prepare(self) -> None:
         assert self.lane.restraints is not None
         self.restraints = self.lane.restraints
-        devices = self.restraints.devices
+        self.devices = devices = self.restraints.devices
         self.ties = self.restraints.slack()
-        self.changes = Transitions(devices)
         self.held = self.restraints.on(1.0, self.edge.limit, self.ties)
         self.watched, self.peak = True, 0.0  # the peak tells how close a touch is
         self.touch = touch_of(self.equation.tolerance)
@@ -66,7 +65,7 @@ class HeldState(March):
         row = int(self.held.row[0])
         if y > self.reached[row]:
             self.reached[row] = y
-            self.changes.stretch(self.ties, ONE, self.held.row, np.array([y]))
+            stretch(self.devices, self.ties, ONE, self.held.row, np.array([y]))
 
     def _devices_now(self) -> tuple[np.ndarray, Branch]:
         return self.held.row, self.held.now
@@ -115,6 +114,6 @@ class HeldState(March):
 
     def _finish(self, outcome: Outcome) -> Ended:
         self.ties.y[0] = self.y
-        self.changes.keep_yield(self.ties, ONE, self.held.row)
+        keep_yield(self.devices, self.ties, ONE, self.held.row)
         self.end = super()._finish(outcome)._replace(restraints=self.ties)
         return self.end

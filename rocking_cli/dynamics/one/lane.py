@@ -35,7 +35,6 @@ class LaneEdge(NamedTuple):
     # the unit of its side
     speed_ratio: float
     cycle_ratio: float  # the same for a bounce until the body is back on this side [-]
-    unit: float  # y = 1 of this side, in the unit of the first side
     top: float  # y of the unstable equilibrium
     limit: float  # y from which the body lies on its side
     equation: Equation  # equation of this edge, with numbers that are floats
@@ -123,11 +122,11 @@ class Lane:
         """Return the edge of a side under A = 1."""
         at, lanes = np.array([side]), self.lanes(cells, side)
         equation, weighed = self.system.equation.on(at), self.segments.weighed
-        contact, there = self.system.contact, self.system.contact.other_side(lanes)
+        there = self.system.contact.other_side(lanes)
         sway = 0.0
         if weighed is not None:
             sway = _float_of(weighed.sway(at, lanes.amplitude))
-        eta, one = float(lanes.eta[0]), np.ones(1)
+        eta = float(lanes.eta[0])
         return LaneEdge(
             side=side,
             drive=-side * float(lanes.amplitude[0]),
@@ -135,7 +134,6 @@ class Lane:
             sway=sway,
             speed_ratio=eta,
             cycle_ratio=eta if there is None else eta * _float_of(there.back),
-            unit=float(contact.converted(one, at, one, np.zeros(1, dtype=int))[0]),
             top=_float_of(equation.displacement(np.ones(1))),
             limit=_float_of(equation.limit),
             equation=self.system.equation.edge(side),

@@ -159,6 +159,13 @@ class Devices:
             return on_side
         return np.asarray(on_side + self.sides * self.which[cell])
 
+    def place(self, row: Array, at: Array | None = None) -> tuple[Array, slice, Array]:
+        """Return the place of the devices of these rows in arrays (sides, devices,
+        lanes); at: indices of the lanes, None: all of them.
+        """
+        at = np.arange(row.size) if at is None else at
+        return row % self.sides, slice(None), at
+
     def lever_ends(self) -> Array:
         """The y at which a tie has lost its lever, (rows,): the body counts as
         overturned from there on.

@@ -73,7 +73,7 @@ class TiedLines(WholeLines):
         """The limits of lanes on a branch; top: as of `TiedLimits`."""
         row, now = branch.row, branch.now
         # A broken restraint is not stretched any more.
-        here = row % self.devices.sides, slice(None), np.arange(row.size)
+        here = self.devices.place(row)
         farthest, broken = lanes.farthest[here].T, lanes.branch[here].T == BROKEN
         stretched = np.where(broken, np.inf, self.devices.level(row, farthest))
         known = np.minimum(lanes.peak, stretched.min(axis=0))

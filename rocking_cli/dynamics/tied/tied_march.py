@@ -54,7 +54,7 @@ from .devices import Branch, Devices
 from .series import HeldBody, Law, Step, one_turn
 from .tied_lanes import STILL, CutStep, Found, OnBranch, TiedLanes, touch_of
 from .tied_lines import LEAST_LINES, TiedLines
-from .transitions import Transitions
+from .transitions import keep_yield, leave, pass_end, stretch, unload
 
 _TOGETHER = 8192  # lanes
 _DOUBTFUL = 1.0  # y beyond which the march tests whether a body can come back
@@ -78,7 +78,6 @@ class TiedMarch:
         of_lines = self.segments.straight and self.shaken >= LEAST_LINES
         self.law = Law(self.equation, self.devices, of_lines)
         self.lever_ends = self.devices.lever_ends()
-        self.transitions = Transitions(self.devices)
         self.bounces = Bounces(self.devices, self.contact, self.equation, self.segments)
         self.watch = None
         if self.devices.body is not None:
@@ -119,9 +118,6 @@ class TiedMarch:
                 lanes = self._round(lanes, branch)
         return self.found
 
-    def _of(self, numbers: Array, row: Array) -> Array:
-        return numbers[row % self.devices.sides, :, np.arange(row.size)].T
-
     def _begin(self, cell: Array) -> TiedLanes:
         """Return new lanes for these cells, at their first uplift."""
         lanes = TiedLanes.slack(self.cells, cell, self.held)
@@ -158,7 +154,7 @@ class TiedMarch:
             np.minimum(again.segment, len(self.segments) - 1)
         ]
         lanes.exact[at] = (again.force == 0.0) & ~moved
-        self.transitions.leave(lanes, at)
+        leave(self.devices, lanes, at)
         ended = k >= self.shaken
         lanes.rests[at] = False
         outcome = np.zeros(lanes.cell.size, dtype=np.int64)
@@ -181,9 +177,8 @@ class TiedMarch:
     def _branch(self, lanes: TiedLanes) -> OnBranch:
         """The branch of the devices of each lane."""
         row = self.devices.row(lanes.side, lanes.cell)
-        now = self.devices.branch(
-            row, self._of(lanes.branch, row), self._of(lanes.plastic, row)
-        )
+        here = self.devices.place(row)
+        now = self.devices.branch(row, lanes.branch[here].T, lanes.plastic[here].T)
         limit = np.minimum(
             self.equation.on(lanes.side, lanes.cell).limit, self.lever_ends[row]
         )
@@ -262,8 +257,8 @@ class TiedMarch:
         # A body that passes the limit of y has fallen; one that comes to 0 strikes.
         row, now, _, high, limit = branch
         fallen, hit = ended.up & (high >= limit), ended.down & (lanes.y <= 0.0)
-        self.transitions.stretch(
-            lanes, np.flatnonzero(ended.peaked | ended.up), row, ended.top
+        stretch(
+            self.devices, lanes, np.flatnonzero(ended.peaked | ended.up), row, ended.top
         )
         self._apply_peaks(lanes, row, now.yields, ended, still)
         self._pass_ends(lanes, np.flatnonzero(ended.up & ~fallen), row, now, 1.0)
@@ -287,7 +282,7 @@ class TiedMarch:
         outcome = self._without_ground(lanes, outcome)
         outcome = np.where(failed, Outcome.FAILED, outcome)
         if falls.any():
-            self.transitions.stretch(lanes, np.flatnonzero(falls), row, lanes.y)
+            stretch(self.devices, lanes, np.flatnonzero(falls), row, lanes.y)
         lanes = self._finish(lanes, np.flatnonzero(outcome), outcome)
         return self._from_rest(lanes, np.flatnonzero(lanes.rests))
 
@@ -311,7 +306,7 @@ class TiedMarch:
         lanes.turned[turned] |= here | (lanes.turned[turned] & here) << 2
         at = at[yields[at]]
         keep_yield_error(lanes, at)
-        self.transitions.unload(lanes, at, row)
+        unload(self.devices, lanes, at, row)
 
     def _pass_ends(
         self, lanes: TiedLanes, at: Array, row: Array, now: Branch, sign: float
@@ -322,7 +317,7 @@ class TiedMarch:
         if not at.size:
             return
         limits = now.high if sign > 0.0 else now.low
-        broken = self.transitions.pass_end(lanes, at, row, limits, sign)
+        broken = pass_end(self.devices, lanes, at, row, limits, sign)
         if broken.size:
             before, after = now.take(broken), self._branch(lanes).now.take(broken)
             carry_through_break(lanes, broken, self.devices, row[broken], before, after)
@@ -367,7 +362,7 @@ class TiedMarch:
             "bounced",
         ):
             getattr(lanes, name)[at] = getattr(struck, name)
-        self.transitions.leave(lanes, at)
+        leave(self.devices, lanes, at)
         left = lanes.take(at)
         lanes.moments[:3, at] = through_impact(
             rows(left.moments),
@@ -414,7 +409,7 @@ class TiedMarch:
             lost = lost | self.free_fall.occurs[cell]
         found.theta_ratio[cell] = np.where(known & ~lost, ratio, np.nan)
         found.outcome[cell[known & lost]] = Outcome.LOST_CONTACT
-        self.transitions.keep_yield(lanes, at, row)
+        keep_yield(self.devices, lanes, at, row)
         for name in ("branch", "plastic", "farthest"):
             getattr(found, name)[..., cell] = getattr(lanes, name)[..., at]
         return lanes.take(np.delete(np.arange(lanes.cell.size), at))
