@@ -2,7 +2,7 @@
 `Cells` the drive of each cell on each side.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple, Self
 
@@ -33,16 +33,7 @@ class Arrays:
         fields = [
             [getattr(part, name) for part in parts] for name in cls.__dataclass_fields__
         ]
-        return cls(
-            *[
-                (
-                    x[0].joined(x)
-                    if isinstance(x[0], Arrays)
-                    else np.concatenate(x, axis=-1)
-                )
-                for x in fields
-            ]
-        )
+        return cls(*map(_joined, fields))
 
     def join(self, other: Self) -> Self:
         """These lanes followed by other lanes."""
@@ -55,6 +46,30 @@ def _taken(x: Any, at: Any) -> Any:
         whole = x.ndim == 1 or isinstance(at, slice)
         return x[..., at] if whole else x.take(at, axis=-1)
     return x.take(at) if isinstance(x, Arrays) else x
+
+
+def _joined(parts: list[Any]) -> Any:
+    if isinstance(parts[0], np.ndarray):
+        return np.concatenate(parts, axis=-1)
+    return parts[0].joined(parts) if isinstance(parts[0], Arrays) else parts[0]
+
+
+def ahead(lanes: Any, step: Callable[[Any, Array], Array], most: int) -> Any:
+    """Return lanes after up to `most` steps, those that have moved (`time` > 0); step:
+    moves those of some lanes that are going (True), in place, and returns True for
+    those that may go on.
+    """
+    on, behind = np.ones(lanes.y.size, dtype=bool), []
+    for _ in range(most):
+        on = step(lanes, on)
+        going = np.flatnonzero(on)
+        if 2 * going.size < on.size:
+            behind.append(lanes.take(np.flatnonzero(~on)))
+            lanes, on = lanes.take(going), on[going]
+        if not going.size:
+            break
+    lanes = lanes.joined([*behind, lanes])
+    return lanes.take(np.flatnonzero(lanes.time > 0.0))
 
 
 def of_each_cell(bodies: Sequence[Any], counts: Sequence[int]) -> dict[str, Any]:
