@@ -29,8 +29,8 @@ class Proved(NamedTuple):
 class LaneProof(NamedTuple):
     """A proof that ends the march of lanes early."""
 
-    # function of the batch and of its lanes just after an impact; returns the lanes
-    # whose outcome it proves
+    # function of the batch and of its lanes just after an impact, or in the air at the
+    # end of a step; returns the lanes whose outcome it proves
     proves: Callable[[Batch, Lanes], Proved]
     # True for a proof about still ground, before which the run calls its observers
     still: bool = False

@@ -5,6 +5,7 @@ with the ground and its end.
 import math
 from bisect import bisect_left
 from dataclasses import fields
+from typing import Any
 
 import numpy as np
 
@@ -22,7 +23,8 @@ from .state import Ended, LawOfDevices
 class HeldState(March):
     """The state of the march of one body with restraints."""
 
-    def _prepare(self) -> None:
+    def __init__(self, *arguments: Any) -> None:
+        super().__init__(*arguments)
         assert self.lane.restraints is not None
         self.restraints = self.lane.restraints
         self.devices = devices = self.restraints.devices

@@ -150,10 +150,6 @@ class MarchState:
         # True where Lemma 13 does not prove beforehand that the body keeps contact
         self.doubtful = amplitude > lane.safe
         self.lost = False  # True after Fz <= 0
-        self._prepare()
-
-    def _prepare(self) -> None:
-        """Set what a body with restraints has besides."""
 
     def _leave_on_still_ground(self) -> None:
         """End the march on still ground: undamped by the closed form of the free motion

@@ -40,7 +40,6 @@ import numpy as np
 from ...arrays import Array
 from ..batch import Batch
 from ..condition import rows, through_impact
-from ..contacts.contact import OneSided
 from ..drive import place
 from ..equations.straight_lines import weight_series
 from ..lanes import Cells
@@ -70,11 +69,10 @@ class TiedMarch:
         self.cells, self.segments = batch.cells, batch.segments
         self.shaken, self.free_fall = batch.shaken, batch.free_fall
         self.devices = devices
-        self.one_sided = isinstance(self.contact, OneSided)
         # bits of `turned` to the second turn on a side, and all bits that it needs
         again = self.equation.damped and self.devices.body is not None
         self.again = 2 if again else 0
-        self.every = (1 if self.one_sided else 3) << self.again
+        self.every = (1 << devices.sides) - 1 << self.again
         of_lines = self.segments.straight and self.shaken >= LEAST_LINES
         self.law = Law(self.equation, self.devices, of_lines)
         self.lever_ends = self.devices.lever_ends()
@@ -146,8 +144,7 @@ class TiedMarch:
         k, u = place(self.segments, again.segment, again.phase)
         lanes.segment[at], lanes.phase[at], lanes.y[at], lanes.v[at] = k, u, 0.0, 0.0
         lanes.moments[:3, at] = 0.0
-        if not self.one_sided:
-            self.contact.turn(self.cells, lanes, at, again.side)
+        self.contact.turn(self.cells, lanes, at, again.side)
         # y'' is exactly 0 at an uplift, unless the drive jumps on the way to the next
         # segment.
         moved = (k != again.segment) & ~self.segments.joins[
