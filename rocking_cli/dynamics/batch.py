@@ -9,7 +9,7 @@ import numpy as np
 from ..arrays import Array
 from ..motions.segments import Segments
 from .contacts.contact import Contact
-from .contacts.uplift import Uplift, first_uplift
+from .contacts.uplift import first_uplift
 from .equations.equation import Equation
 from .lanes import Cells, Lanes
 from .system import System
@@ -20,24 +20,16 @@ SETTLING = 250.0
 # a cell with more steps than this plus 10 for each segment of the motion fails
 MAX_STEPS = 20_000
 # tau: this close to a free fall of the ground the weight counts as zero
-_INSTANT = 1e-9
+INSTANT = 1e-9
 
 
-def most_steps(segments: int) -> int:
-    """The number of steps beyond which a cell fails under a motion of so many
-    segments.
-    """
-    return MAX_STEPS + 10 * segments
-
-
-class FreeFall:
+class FreeFall(NamedTuple):
     """The first instant at which the ground falls away from the body of each cell."""
 
-    def __init__(self, segments: Segments, falls: Uplift, occurs: Array) -> None:
-        self.segments = segments
-        # segment and phase [rad] of this instant, (cells,) each
-        self.segment, self.phase = falls.segment, falls.phase
-        self.occurs = occurs  # True if there is such an instant, (cells,)
+    segments: Segments  # segments of the motion
+    segment: Array  # segment of this instant, (cells,)
+    phase: Array  # phase there [rad], (cells,)
+    occurs: Array  # True if there is such an instant, (cells,)
 
     @classmethod
     def of(cls, segments: Segments, cells: Cells, shaken: int) -> Self | None:
@@ -52,7 +44,9 @@ class FreeFall:
         # w = 1 + sway s_v falls below 0 where a body of uplift 1/sway would be lifted
         falls = first_uplift(weighed.vertical, zero.astype(np.int64), zero, sway, zero)
         occurs = falls.segment < shaken
-        return cls(segments, falls, occurs) if occurs.any() else None
+        if not occurs.any():
+            return None
+        return cls(segments, falls.segment, falls.phase, occurs)
 
     def time_left(self, lanes: Lanes) -> Array:
         """Return the time [tau] left until the ground falls away; 0 after this instant,
@@ -60,7 +54,7 @@ class FreeFall:
         """
         k, start = self.segment[lanes.cell], self.segments.start
         last = len(self.segments) - 1
-        # The rounding error of this difference is far below `_INSTANT`.
+        # The rounding error of this difference is far below `INSTANT`.
         ahead = start[np.minimum(k, last)] - start[np.minimum(lanes.segment, last)]
         until = (ahead + (self.phase[lanes.cell] - lanes.phase)) / lanes.omega
         return np.where(
@@ -69,7 +63,7 @@ class FreeFall:
 
     def has_begun(self, lanes: Lanes) -> Array:
         """True for lanes from which the ground falls away now."""
-        return np.asarray(self.time_left(lanes) <= _INSTANT)
+        return np.asarray(self.time_left(lanes) <= INSTANT)
 
 
 class Batch(NamedTuple):
@@ -121,7 +115,7 @@ class Batch(NamedTuple):
             shaken,
             peaks,
             free_fall,
-            most_steps(shaken),
+            MAX_STEPS + 10 * shaken,
         )
 
     @property

@@ -27,6 +27,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..arrays import Array
+from .lanes import of_each_cell
 
 # parts of the path from the ground to the peak; on each part the bound takes the worst
 # value of every term
@@ -101,27 +102,7 @@ class Body(NamedTuple):
         """Return the body of each cell, for so many cells of each of these bodies."""
         if len(set(bodies)) == 1:
             return bodies[0]
-        alpha, kappa, a_scale = (
-            tuple(np.repeat(edge, counts) for edge in zip(*values, strict=True))
-            for values in zip(
-                *((one.alpha, one.kappa, one.a_scale) for one in bodies), strict=True
-            )
-        )
-        damping = np.repeat([one.damping for one in bodies], counts)
-        return bodies[0]._replace(
-            alpha=alpha, kappa=kappa, a_scale=a_scale, damping=damping
-        )
-
-    def of(self, cells: Array) -> "Body":
-        """Return the body of these cells."""
-        if isinstance(self.alpha[0], float):
-            return self
-        return self._replace(
-            alpha=tuple(x[cells] for x in self.alpha),
-            kappa=tuple(x[cells] for x in self.kappa),
-            a_scale=tuple(x[cells] for x in self.a_scale),
-            damping=self.damping[cells],
-        )
+        return bodies[0]._replace(**of_each_cell(bodies, counts))
 
     @property
     def alike(self) -> bool:

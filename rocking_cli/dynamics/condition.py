@@ -20,7 +20,7 @@ each other at once M stays finite: no speed below `_SLOWEST` counts.
 """
 
 import math
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 
@@ -33,7 +33,7 @@ _TINY = 1e-300  # an arc without duration has a mean force too
 # The error of a step is at most so many times its last terms, and a rounding, which
 # takes in that of the drive.
 _SAFETY, _ROUNDING = 3.0, 1e-14
-_STEP = 1e-6  # change of y for a derivative by differences
+STEP = 1e-6  # change of y for a derivative by differences
 
 ErrorMoments = tuple[Any, Any, Any]  # yy, yv and vv
 
@@ -145,20 +145,11 @@ def sheared(m: ErrorMoments, jump: Any, v: Any) -> Array:
     return np.array([yy, yv + turn * yy, vv + turn * (2.0 * yv + turn * yy)])
 
 
-class Differentiable(Protocol):
-    """A law of motion whose slope is known: an equation, alone or with restraints."""
-
-    damping: Any  # zeta [-], float or (lanes,)
-
-    def slope(self, y: Any, force: Any) -> Any:
-        """df/dy at displacement y, under the drive that gives this force f."""
-
-
 def slope_between(
-    law: Differentiable, start: tuple[Any, Any], end: tuple[Any, Any], h: Any
+    law: Any, start: tuple[Any, Any], end: tuple[Any, Any], h: Any
 ) -> Any:
     """Return df/dy in the middle of arcs of duration h between two states (y, v);
-    arrays or floats.
+    arrays or floats; law: an equation, alone or with restraints.
     """
     y, v = 0.5 * (start[0] + end[0]), 0.5 * (start[1] + end[1])
     force = (end[1] - start[1]) / (h + _TINY) + 2.0 * law.damping * v
@@ -176,8 +167,8 @@ def at_free_peak(
     size = np.hypot(v, force) + _TINY
     by_y, by_v = -force / size, v / size
     # A body that overturns by the difference is as sensitive as one can see.
-    higher = (peak(y + _STEP * by_y, v + _STEP * by_v) - highest) / _STEP
-    rate = np.nan_to_num(higher, nan=1.0 / _STEP)
+    higher = (peak(y + STEP * by_y, v + STEP * by_v) - highest) / STEP
+    rate = np.nan_to_num(higher, nan=1.0 / STEP)
     yy, yv, vv = moments
     square = by_y * by_y * yy + 2.0 * by_y * by_v * yv + by_v * by_v * vv
     return np.asarray(rate * rate * square)

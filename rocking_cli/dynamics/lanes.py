@@ -2,15 +2,13 @@
 `Cells` the drive of each cell on each side.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple, Self, TypeVar
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 
 from ..arrays import Array
-
-Extended = TypeVar("Extended", bound="Arrays")
 
 
 @dataclass
@@ -27,17 +25,6 @@ class Arrays:
             *[_taken(getattr(self, name), at) for name in self.__dataclass_fields__]
         )
 
-    def put(self, places: Array, others: Self) -> None:
-        """Replace the lanes at these indices by the lanes `others`, in place."""
-        for name in self.__dataclass_fields__:
-            getattr(self, name)[..., places] = getattr(others, name)
-
-    def extended(self, kind: type[Extended], **more: Array) -> Extended:
-        """Return these lanes as a subclass, which takes the values of its additional
-        fields from the arguments.
-        """
-        return kind(**vars(self), **more)
-
     @classmethod
     def joined(cls, parts: Sequence[Self]) -> Self:
         """The lanes of all parts, one after the other; fields that only a subclass has
@@ -46,16 +33,7 @@ class Arrays:
         fields = [
             [getattr(part, name) for part in parts] for name in cls.__dataclass_fields__
         ]
-        return cls(
-            *[
-                (
-                    x[0].joined(x)
-                    if isinstance(x[0], Arrays)
-                    else np.concatenate(x, axis=-1)
-                )
-                for x in fields
-            ]
-        )
+        return cls(*map(_joined, fields))
 
     def join(self, other: Self) -> Self:
         """These lanes followed by other lanes."""
@@ -68,6 +46,41 @@ def _taken(x: Any, at: Any) -> Any:
         whole = x.ndim == 1 or isinstance(at, slice)
         return x[..., at] if whole else x.take(at, axis=-1)
     return x.take(at) if isinstance(x, Arrays) else x
+
+
+def _joined(parts: list[Any]) -> Any:
+    if isinstance(parts[0], np.ndarray):
+        return np.concatenate(parts, axis=-1)
+    return parts[0].joined(parts) if isinstance(parts[0], Arrays) else parts[0]
+
+
+def ahead(lanes: Any, step: Callable[[Any, Array], Array], most: int) -> Any:
+    """Return lanes after up to `most` steps, those that have moved (`time` > 0); step:
+    moves those of some lanes that are going (True), in place, and returns True for
+    those that may go on.
+    """
+    on, behind = np.ones(lanes.y.size, dtype=bool), []
+    for _ in range(most):
+        on = step(lanes, on)
+        going = np.flatnonzero(on)
+        if 2 * going.size < on.size:
+            behind.append(lanes.take(np.flatnonzero(~on)))
+            lanes, on = lanes.take(going), on[going]
+        if not going.size:
+            break
+    lanes = lanes.joined([*behind, lanes])
+    return lanes.take(np.flatnonzero(lanes.time > 0.0))
+
+
+def of_each_cell(bodies: Sequence[Any], counts: Sequence[int]) -> dict[str, Any]:
+    """Return the fields that are `cellwise`, for so many cells of each of these objects
+    of one class: a number becomes an array (cells,), a tuple a tuple of arrays.
+    """
+    found = {}
+    for name in bodies[0].cellwise:
+        cells = np.repeat([getattr(one, name) for one in bodies], counts, axis=0)
+        found[name] = cells if cells.ndim == 1 else tuple(cells.T)
+    return found
 
 
 class Cells(NamedTuple):
@@ -110,3 +123,19 @@ class Lanes(Arrays):
     # second moments of an error (`condition`): yy, yv and vv of the present state, and
     # that of |theta|/alpha at the largest peak, (4, lanes)
     moments: Array
+
+    @classmethod
+    def at_rest(cls, cells: Cells, cell: Array, side: Array, **others: Any) -> Self:
+        """Return lanes for these cells, at rest on these sides at the start of the
+        motion; others: fields with other values, and those of a subclass.
+        """
+        row, size = cells.row(side), cell.size
+        fields: dict[str, Array] = {
+            "cell": cell,
+            "side": side,
+            "moments": np.zeros((4, size)),
+            **{name: x[row, cell] for name, x in cells._asdict().items()},
+            **{name: np.zeros(size) for name in ("phase", "y", "v", "force", "peak")},
+            **{name: np.zeros(size, int) for name in ("segment", "impacts", "steps")},
+        }
+        return cls(**(fields | others))

@@ -17,6 +17,8 @@ from .outcome import Outcome, Work, safe
 from .system import System
 
 if TYPE_CHECKING:
+    from .observers.peak_speed import PeakSpeed
+    from .one.one_by_one import OneByOne
     from .tied.tied_lanes import Found
 
 CellInputs = tuple[Array, Array]  # A and Omega, of one shape
@@ -189,7 +191,9 @@ def response(
             f" {' or '.join(WAYS)}{did_you_mean(how, WAYS)}"
         )
     if how == "floats":
-        return _one_by_one(system, motion, cells, shape, peaks)
+        from .one.one_by_one import OneByOne
+
+        return _response(OneByOne(system, motion, cells, peaks), shape, peaks)
     batch = _batch(system, motion, cells, peaks)
     if system.devices is not None:
         from .tied.tied_march import TiedMarch
@@ -199,56 +203,6 @@ def response(
         kept_to = system.safe_amplitude(motion)
     run = _marched(system, batch, cells[0] > kept_to, pool=pool)
     return _response(run, shape, peaks)
-
-
-def _one_by_one(
-    system: System,
-    motion: Motion,
-    cells: CellInputs,
-    shape: tuple[int, ...],
-    peaks: bool,
-) -> Response:
-    """`response` of flat cells of one structure, marched one after the other."""
-    from .one.one_by_one import OneByOne
-
-    if isinstance(system.contact.eta, np.ndarray):  # of each cell
-        return _of_each_restitution(system, motion, cells, shape, peaks)
-    found = OneByOne(system, motion, cells, peaks)
-    theta_ratio = found.theta_ratio if peaks else np.full(found.outcome.size, np.nan)
-    return Response(
-        theta_ratio.reshape(shape),
-        found.outcome.reshape(shape),
-        found.impacts.reshape(shape),
-        _of_standing(found.condition, theta_ratio).reshape(shape),
-        Work(cells=found.outcome.size),
-    )
-
-
-def _of_each_restitution(
-    system: System,
-    motion: Motion,
-    cells: CellInputs,
-    shape: tuple[int, ...],
-    peaks: bool,
-) -> Response:
-    """`_one_by_one` of cells with restitutions of their own."""
-    eta = system.contact.eta
-    order = np.argsort(eta, kind="stable")
-    _, firsts = np.unique(eta[order], return_index=True)
-    parts = [
-        _one_by_one(
-            system.with_restitution(float(eta[at[0]])),
-            motion,
-            (cells[0][at], cells[1][at]),
-            at.shape,
-            peaks,
-        )
-        for at in np.split(order, firsts[1:])
-        if at.size
-    ]
-    *found, work = Response.joined(parts)
-    place = np.argsort(order)
-    return Response._make([*(x[place].reshape(shape) for x in found), work])
 
 
 def _flat(
@@ -280,24 +234,16 @@ def _flat(
 
 
 def _response(
-    run: "Run | Found", shape: tuple[int, ...], peaks: bool = True
+    run: "Run | Found | OneByOne", shape: tuple[int, ...], peaks: bool = True
 ) -> Response:
     """Return the results of a run in the shape of the cells; peaks: False if no
     rotations are wanted.
     """
     theta_ratio = run.theta_ratio if peaks else np.full(run.outcome.size, np.nan)
-    return Response(
-        theta_ratio.reshape(shape),
-        run.outcome.reshape(shape),
-        run.impacts.reshape(shape),
-        _of_standing(run.condition, theta_ratio).reshape(shape),
-        run.work,
-    )
-
-
-def _of_standing(condition: Array, theta_ratio: Array) -> Array:
-    """The condition of cells, NaN where no body rocks and stands."""
-    return np.where(theta_ratio > 0.0, condition, np.nan)
+    # NaN where no body rocks and stands
+    condition = np.where(theta_ratio > 0.0, run.condition, np.nan)
+    found = theta_ratio, run.outcome, run.impacts, condition
+    return Response._make([*(x.reshape(shape) for x in found), run.work])
 
 
 def _batch(system: System, motion: Motion, cells: CellInputs, peaks: bool) -> Batch:
@@ -356,9 +302,7 @@ def response_with_speed(
     else:
         watched = cells[0] > system.safe_amplitude(motion)
         run = _marched(system, batch, watched, speed)
-    return _response(run, shape), np.where(
-        safe(run.outcome), speed.largest, np.nan
-    ).reshape(shape)
+    return _with_speed(run, speed, shape)
 
 
 def response_under_records(
@@ -377,11 +321,18 @@ def response_under_records(
     chain = Chain.of([record.coarsest.segments for record in records])
     batch = Batch.of(system, chain, amplitude, omega, first=chain.first[which])
     speed = PeakSpeed(batch)
-    watched = amplitude > system.safe_amplitudes(records, which)
+    largest = np.array([record.largest for record in records])[which]
+    watched = amplitude > system.safe_amplitude(records[0], largest=largest)
     run = _marched(system, batch, watched, speed)
-    return _response(run, amplitude.shape), np.where(
-        safe(run.outcome), speed.largest, np.nan
-    )
+    return _with_speed(run, speed, amplitude.shape)
+
+
+def _with_speed(
+    run: "Run | Found", speed: "PeakSpeed", shape: tuple[int, ...]
+) -> tuple[Response, Array]:
+    """The results of a run, and its largest speeds."""
+    largest = np.where(safe(run.outcome), speed.largest, np.nan)
+    return _response(run, shape), largest.reshape(shape)
 
 
 def can_share_records(system: System, motion: Motion) -> bool:

@@ -193,7 +193,9 @@ class System(NamedTuple):
         share = self.scale / self.contact.amplitudes(self.equation, np.ones(1))[:, 0]
         return weighed(motion, float(share[0]), float(share[-1]))
 
-    def safe_amplitude(self, motion: Motion, low: bool = False) -> Any:
+    def safe_amplitude(
+        self, motion: Motion, low: bool = False, largest: Array | None = None
+    ) -> Any:
         """Return the amplitude up to which contact with the ground is proved.
 
         Parameters
@@ -202,6 +204,9 @@ class System(NamedTuple):
             the motion of the ground
         low
             True for bodies whose energy stays below the barrier
+        largest
+            largest |s| of the motion of each cell, (cells,), of motions without
+            vertical parts as `motion` is one; None: that of `motion`
 
         Returns
         -------
@@ -209,45 +214,20 @@ class System(NamedTuple):
             A [-] up to which Fz > 0 for a body that does not overturn, (cells,) if each
             cell has a body of its own; infinite if the forces are not known
         """
-        if not motion.largest:
-            return math.inf
-        return self._safe_push(motion, low) / motion.largest
-
-    def safe_amplitudes(self, motions: Sequence[Motion], which: Array) -> Array:
-        """Return `safe_amplitude` of cells under several motions.
-
-        Parameters
-        ----------
-        motions
-            the motions of the ground, without vertical parts
-        which
-            index of the motion of each cell, (cells,)
-
-        Returns
-        -------
-        numpy.ndarray
-            A [-], (cells,)
-        """
-        largest = np.array([motion.largest for motion in motions])[which]
-        with np.errstate(divide="ignore"):
-            return np.asarray(self._safe_push(motions[0]) / largest)
-
-    def _safe_push(self, motion: Motion, low: bool = False) -> Any:
-        """`safe_amplitude` of a motion of the same vertical part over its largest |s|,
-        but with max |s| = 1.
-        """
         # Lemma 13. Without overturning the push bounds the rotation, and so Fz.
-        if self.body is None or self.scale is None:
+        strongest = motion.largest if largest is None else largest
+        if self.body is None or self.scale is None or not np.any(strongest):
             return math.inf
-        sway = (
-            0.0 if motion.vertical is None else motion.vertical.largest / motion.largest
-        )
+        up = motion.vertical
+        sway = 0.0 if up is None else up.largest / motion.largest
         scales = self.body.a_scale or (1.0,) * len(self.body.alpha)
         safe = [
             safe_acceleration(self.body, i, sway and sway / scale, low) / scale
             for i, scale in enumerate(scales)
         ]
-        return np.minimum.reduce(safe) / self.scale
+        push = np.minimum.reduce(safe) / self.scale
+        with np.errstate(divide="ignore"):
+            return push / strongest
 
     def least_uplift(self, motion: Motion) -> float:
         """Return the least amplitude that lifts the body (Eqs. 2.2, 3.8).

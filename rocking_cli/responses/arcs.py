@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from ..arrays import Array
-from ..dynamics.equations.equation import Equation, Instant
-from ..dynamics.equations.taylor import TaylorSeries
+from ..dynamics.equations.equation import Equation
+from ..dynamics.equations.taylor import Instant, TaylorSeries
 from ..dynamics.outcome import LOST, Outcome
 from ..motions.blocks import blocks
 from ..showing import Shown
@@ -344,7 +344,6 @@ class Writer:
             np.ascontiguousarray(terms.T),
             unit,
             unit,
-            np.ones(unit.size),
             float(self.equation.damping),
         )
         return HistoryArcs(start, start + reach / pace, side, flow, pace)

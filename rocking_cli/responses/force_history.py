@@ -13,7 +13,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..arrays import Array
-from ..dynamics.equations.equation import Equation, Instant
+from ..dynamics.equations.equation import Equation
+from ..dynamics.equations.taylor import Instant
 from ..motions.blocks import blocks
 from ..structures.mechanics.measured import Measured
 from ..structures.parameters import RockingParameters
@@ -111,7 +112,7 @@ class ForceHistory:
         rotation `_FAR` are left out.
         """
         s, arcs = self.structure, self.found.arcs
-        turned = self.found.equation.on(arcs.side).rotation(arcs.flow.y)
+        turned = self.found.equation.on(arcs.side).rotation(arcs.flow.terms[0])
         known = (arcs.stop > arcs.start) & (s.alpha_on(arcs.side) * turned < _FAR)
         order, found = list[Array](), dict[str, list[Array]]()
         for side in (1.0, -1.0):

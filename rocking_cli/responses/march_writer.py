@@ -7,7 +7,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..dynamics.batch import most_steps
 from ..dynamics.one.lane import Lane
 from ..dynamics.one.march import march
 from ..dynamics.one.state import Ended, Listener
@@ -46,7 +45,6 @@ class MarchWriter(Writer, Listener):
                 amplitude,
                 listener=self,
                 release=release,
-                most=most_steps(len(self.lane.segments)),
             )
             return self._history(ended, duration)
 

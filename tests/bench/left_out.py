@@ -23,6 +23,7 @@ from rocking_cli import (
 )
 from rocking_cli.dynamics.contacts.contact import Symmetric
 from rocking_cli.dynamics.equations.linear import LinearEquation
+from rocking_cli.dynamics.march import engine
 from rocking_cli.motions import Piece
 
 AXIS, GRID = scenes.axis(300), parse_grid("A=0.5:12:200,Omega=0.5:12:200")
@@ -80,9 +81,9 @@ if __name__ == "__main__":
         lambda self, y, v, inward, steady=True: y > 1e6,
     )
     unsummed = (
-        Symmetric,
+        engine,
         "sequence_ends",
-        lambda self, segments, lanes, law: np.zeros(lanes.y.size, dtype=bool),
+        lambda segments, lanes, *_: np.zeros(lanes.y.size, dtype=bool),
     )
     ratio(
         "free motion after the shaking, 5 periods marched instead",

@@ -28,7 +28,7 @@ from rocking_cli.dynamics.contacts.contact import Symmetric
 from rocking_cli.dynamics.drive import RemainingImpulse
 from rocking_cli.dynamics.impulse_bound import ImpulseBound
 from rocking_cli.dynamics.march import proofs
-from rocking_cli.dynamics.march.engine import PooledLanes, Run
+from rocking_cli.dynamics.march.engine import Run
 
 ARCH = str(Path(__file__).parents[2] / "configs/arch.yaml")
 FEW_PUSHES = [
@@ -122,11 +122,9 @@ def landed(motion, cells, seed, share):
     )
     bound = ImpulseBound.of(batch.equation, batch.cells, segments)
     below = bound.cannot_overturn(batch.cells, landing)
-    pooled = landing.extended(PooledLanes, slot=np.arange(at.size))
     with np.errstate(all="ignore"):
-        while pooled.cell.size:
-            pooled = pooled.take(np.flatnonzero(~run.round(pooled)))
-            pooled.slot = np.arange(pooled.cell.size)
+        while landing.cell.size:
+            landing = run.round(landing)
     return omega, below, run.outcome
 
 

@@ -23,7 +23,7 @@ from rocking_cli import (
     spectrum,
 )
 from rocking_cli.commands.help import page
-from rocking_cli.dynamics.march import engine
+from rocking_cli.dynamics.march import engine, proofs
 from rocking_cli.dynamics.march.proofs import FREE_MOTION
 from rocking_cli.dynamics.outcome import Difference, Outcome, falls
 from rocking_cli.motions import sine
@@ -119,8 +119,8 @@ def proved(method):
     ("place", "name", "wrong"),
     [
         (engine, "cannot_return", too_early),
-        (engine, "free_motion", stands),
-        (engine, "free_motion", falls_early),
+        (proofs, "FREE_MOTION", FREE_MOTION._replace(proves=stands)),
+        (proofs, "FREE_MOTION", FREE_MOTION._replace(proves=falls_early)),
     ],
 )
 @pytest.mark.parametrize("method", [Method(), Method("nonlinear")])

@@ -14,9 +14,9 @@ from ...arrays import Array
 from ...errors import ArgumentError
 from ...motions.segments import Segments
 from ..equations.equation import Equation
-from ..lanes import Cells, Lanes
+from ..lanes import Cells, Lanes, of_each_cell
 from ..outcome import Outcome
-from .sequences import OtherSide, sequence_ends, sequence_time
+from .sequences import OtherSide
 from .uplift import Uplift, first_uplift
 
 
@@ -63,12 +63,7 @@ class Contact(ABC):
         """
         if all(one == self for one in contacts):
             return self
-        numbers: dict[str, Any] = {}
-        for name in self.cellwise:
-            of_each = [getattr(one, name) for one in contacts]
-            cells = np.repeat(of_each, counts, axis=0)
-            numbers[name] = cells if cells.ndim == 1 else tuple(cells.T)
-        return replace(self, **numbers)
+        return replace(self, **of_each_cell(contacts, counts))
 
     def amplitudes(self, equation: Equation, amplitude: Array) -> Array:
         """Return the amplitudes of cells on each side, as in `Cells`, from A,
@@ -150,20 +145,6 @@ class Contact(ABC):
         reference edge, as A and Omega are; cell: the cells of the lanes.
         """
         return rate
-
-    def sequence_ends(
-        self, segments: Segments, lanes: Lanes, equation: Equation
-    ) -> Array:
-        """True for lanes just after an impact whose sequence of impacts is proved to
-        end in rest before any other event (Lemma 7).
-        """
-        return sequence_ends(segments, lanes, equation, self.other_side(lanes))
-
-    def sequence_time(self, segments: Segments, lanes: Lanes) -> Array:
-        """How long the sequence of impacts lasts [tau of the side] if drive and weight
-        stay as they are now; 0 if it does not end.
-        """
-        return sequence_time(segments, lanes, self.other_side(lanes))
 
     def free_motion(
         self, equation: Equation, lanes: Lanes, at: Array, y: Array, v: Array

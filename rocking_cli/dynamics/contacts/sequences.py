@@ -1,5 +1,5 @@
 """Tests of sequences of impacts: which ones end in rest before any other event, when,
-and within which bounds (Lemma 7). `lasting_bounces` has those that do not end.
+and within which bounds (Lemma 7).
 """
 
 from dataclasses import dataclass

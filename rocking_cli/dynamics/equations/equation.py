@@ -1,5 +1,4 @@
-"""`Equation`, the interface of an equation of motion to the march, and the records that
-it uses.
+"""`Equation`, the interface of an equation of motion to the march.
 
 The linear oscillator has l = 1 - y, m = 1 (Eq. 2.4), a rigid body l = sin(alpha -
 theta)/sin alpha, m = cos(alpha - theta)/cos alpha (Eq. 2.3), a mechanism the forces of
@@ -10,40 +9,18 @@ this form.
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Any, NamedTuple, Self
+from typing import Any, Self
 
 import numpy as np
 
 from ...arrays import Array
 from ...errors import ArgumentError
 from ...motions.segments import Segments
+from ..condition import STEP
 from ..lanes import Lanes
-from .recurrence import Series, TermRows
-
-if TYPE_CHECKING:
-    from .taylor import TaylorSeries
-
-
-class Instant(NamedTuple):
-    """State of lanes at an instant of an arc. Every array is (lanes,)."""
-
-    y: Array  # displacement, in the unit of the side
-    v: Array  # velocity y', by tau
-    b: Array  # acceleration y'', by tau
-    j: Array  # jerk y''', by tau
-
-
-class Drive(NamedTuple):
-    """The shaking of lanes: series in powers of the time over `unit`, from now on."""
-
-    # terms of the outward drive over its value at uplift [-], (terms, lanes)
-    terms: TermRows
-    unit: Array  # unit of time of the series [tau], (lanes,)
-    # terms of the weight over m g [-], (terms, lanes); None if it is constant
-    weight: TermRows | None = None
-
-
-_STEP = 1e-6  # change of y for a derivative by differences
+from .recurrence import Series
+from .straight_lines import line_flow
+from .taylor import TaylorSeries, longest, series_flow
 
 
 class Equation(ABC):
@@ -53,6 +30,7 @@ class Equation(ABC):
     """
 
     tolerance: float  # largest error of theta/alpha that a series may have [-]
+    order: int  # number of terms less one of a series under sinusoids
     # upper bound of |df/dy| near the ground on either side, for drives |a| <= 1 [-]
     gain: Any
     # amplitude A at which a drive of s = 1 lifts the body [-]
@@ -127,9 +105,19 @@ class Equation(ABC):
         """True if the march follows exact flows under this motion, not `flow`."""
         return False
 
-    @abstractmethod
-    def flow(self, segments: Segments, lanes: Lanes) -> "TaylorSeries":
+    def flow(self, segments: Segments, lanes: Lanes) -> TaylorSeries:
         """Return the Taylor series of the lanes from their present state."""
+        if segments.straight:
+            return line_flow(self, segments, lanes)
+        terms, fastest = series_flow(self, segments, lanes, self.order)
+        step = self.longest(terms, fastest)
+        return TaylorSeries(terms, 1.0 / fastest, step, self.damping)
+
+    def longest(self, terms: Array, fastest: Array) -> Array:
+        """Return the longest steps that the tolerance allows [tau], (lanes,); arguments
+        as of `taylor.longest`.
+        """
+        return longest(terms, fastest, self.error_unit)
 
     @abstractmethod
     def along(
@@ -160,7 +148,7 @@ class Equation(ABC):
         y, force = np.atleast_1d(y), np.atleast_1d(force)
         still = self.force(y, np.zeros(y.shape))
         drive = (force - still) / (self.force(y, np.ones(y.shape)) - still)
-        return np.asarray((self.force(y + _STEP, drive) - force) / _STEP)
+        return np.asarray((self.force(y + STEP, drive) - force) / STEP)
 
     def rotation(self, y: Array) -> Array:
         """|theta|/alpha at displacement y, of any shape."""

@@ -10,11 +10,9 @@ import numpy as np
 
 from ...arrays import Array
 from ...motions.segments import Segments
-from ..lanes import Lanes
 from .equation import Equation
 from .recurrence import Series
-from .straight_lines import line_flow
-from .taylor import TaylorSeries, order_for, series, series_flow
+from .taylor import order_for
 
 SERIES = 1e-12  # tolerance of the series under sinusoids
 
@@ -54,6 +52,7 @@ class LinearEquation(Equation):
     # tolerance of the short series of straight lines: terms left out are below
     # rounding
     tolerance = 1e-13
+    order = order_for(SERIES)
     largest_m = 1.0
     barrier = 0.5
     cellwise = ("damping",)
@@ -83,9 +82,8 @@ class LinearEquation(Equation):
 
     def of_each_cell(self, equations: Sequence[Self], counts: Sequence[int]) -> Self:
         numbers = [one.damping for one in equations]
-        return (
-            self if len(set(numbers)) == 1 else self._with(np.repeat(numbers, counts))
-        )
+        one = len(set(numbers)) == 1
+        return self if one else self._with(np.repeat(numbers, counts))
 
     @property
     def error_unit(self) -> float:
@@ -96,14 +94,6 @@ class LinearEquation(Equation):
         """True under single sinusoids, without damping and vertical motion."""
         steady = not self.damped and segments.weighed is None
         return steady and segments.harmonics == 1 and not segments.sloped
-
-    def flow(self, segments: Segments, lanes: Lanes) -> TaylorSeries:
-        """The motion of each lane from its state."""
-        if segments.straight:
-            return line_flow(self, segments, lanes)
-        return series(
-            *series_flow(self, segments, lanes, order_for(SERIES)), SERIES, self.damping
-        )
 
     def along(
         self, y: Series, new: Callable[[], Series]

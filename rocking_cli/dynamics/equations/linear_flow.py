@@ -22,7 +22,7 @@ from ...arrays import Array
 from ...motions.segments import Segments
 from ..drive import segment_value, turn
 from ..lanes import Arrays, Lanes
-from .equation import Instant
+from .taylor import Instant
 
 LONGEST = 24.0  # tau: cosh stays below 2e10, growth cannot bury the state in rounding
 # where max(1, w) h is below this, series replace the differences in F3 and F4
@@ -49,7 +49,6 @@ class LinearFlow(Arrays):
     sin: Array  # S: rate of the outward drive at the start over w [-]
     cos: Array  # C: the sinusoid in the outward drive at the start [-]
     w: Array  # angular frequency over p [1/tau]
-    damping = 0.0
 
     @classmethod
     def of(cls, segments: Segments, lanes: Lanes) -> "LinearFlow":

@@ -23,22 +23,12 @@ from numpy.lib.stride_tricks import sliding_window_view
 
 from ...arrays import Array
 from ...errors import ArgumentError
-from ...motions.segments import Segments
 from ...structures.mechanics.linkage import Linkage
 from ..drive import summed
-from ..lanes import Lanes
 from .equation import Equation, falls_by_energy
 from .patches import DEGREE, inverse, largest, tabulate
 from .recurrence import Series, TermRows
-from .straight_lines import line_flow
-from .taylor import (
-    MOST_TERMS,
-    TaylorSeries,
-    longest,
-    order_for,
-    powers,
-    series_flow,
-)
+from .taylor import MOST_TERMS, order_for, powers
 
 _SHIFT = 4  # powers of x used to shift the series of a narrow patch
 # intervals of a finer table: within half of one, powers above the 4th are below 1e-13
@@ -114,32 +104,9 @@ class MechanismEquation(Equation):
             -table.value(table.lift, beyond) / table.value(table.push, beyond),
         )
 
-    def flow(self, segments: Segments, lanes: Lanes) -> TaylorSeries:
-        """The series of every lane from its present state."""
-        if segments.straight:
-            return line_flow(self, segments, lanes)
-        y, fastest = series_flow(self, segments, lanes, self.order)
-        return TaylorSeries(
-            y, 1.0 / fastest, self.longest(y, fastest), fastest, self.damping
-        )
-
     def longest(self, terms: Array, fastest: Array) -> Array:
-        """Return the longest step that the tolerance allows and on which y stays where
-        its patch was fitted.
-
-        Parameters
-        ----------
-        terms
-            series of y in (tau - tau0), (terms, lanes)
-        fastest
-            fastest rate of each lane [1/tau], (lanes,)
-
-        Returns
-        -------
-        numpy.ndarray
-            steps [tau], (lanes,)
-        """
-        step = longest(terms, fastest, self.tolerance)
+        """As of `Equation`, where y also stays where its patch was fitted."""
+        step = super().longest(terms, fastest)
         sizes = powers(step * fastest, len(terms))
         sizes *= terms
         np.abs(sizes, out=sizes)

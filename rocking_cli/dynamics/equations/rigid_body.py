@@ -13,13 +13,10 @@ import numpy as np
 
 from ...arrays import Array
 from ...errors import ArgumentError
-from ...motions.segments import Segments
 from ...structures.parameters import LEAST_ALPHA
-from ..lanes import Lanes
 from .equation import Equation, falls_by_energy
 from .recurrence import Series, product_terms
-from .straight_lines import line_flow
-from .taylor import TaylorSeries, order_for, series, series_flow
+from .taylor import order_for
 
 
 class RigidBodyEquation(Equation):
@@ -113,11 +110,8 @@ class RigidBodyEquation(Equation):
         which it has `own`.
         """
         there = object.__new__(type(self))
-        there.damped = self.damped
-        there.order = self.order
-        there.tolerance = self.tolerance
-        there._by_cell = self._by_cell
-        there._two_edged = self._two_edged
+        for name in ("damped", "order", "tolerance", "_by_cell", "_two_edged"):
+            setattr(there, name, getattr(self, name))
         there._take(each, own)
         return there
 
@@ -198,16 +192,6 @@ class RigidBodyEquation(Equation):
     @cached_property
     def per_rotation(self) -> Any:
         return self.alpha / self.sin
-
-    def flow(self, segments: Segments, lanes: Lanes) -> TaylorSeries:
-        """The series of every lane from its present state."""
-        if segments.straight:
-            return line_flow(self, segments, lanes)
-        return series(
-            *series_flow(self, segments, lanes, self.order),
-            self.tolerance,
-            self.damping,
-        )
 
     def along(
         self, y: Series, new: Callable[[], Series]

@@ -4,16 +4,16 @@ needs, the terms, and the error that they leave out.
 
 import math
 from collections.abc import Sequence
-from typing import Protocol
+from functools import lru_cache
+from typing import Any
 
 import numpy as np
 
 from ...arrays import Array
 from ...motions.segments import Segments
 from ..lanes import Lanes
-from .equation import Drive
 from .recurrence import Recurrence, TermRows, motion_terms
-from .taylor import LONGEST, MOST_TERMS, WITHIN, TaylorSeries, drive_series
+from .taylor import LONGEST, MOST_TERMS, WITHIN, Drive, TaylorSeries, drive_series
 
 _LEAST = 1e-3  # tau: the unit of lanes at the end of their line
 # growth rate of lanes up to a little beyond the barrier; the last terms show where it
@@ -50,6 +50,7 @@ def degrees(
     return degree
 
 
+@lru_cache(maxsize=256)
 def size_limits(unit: float, tolerance: float, growth: float = GROWTH) -> list[float]:
     """Return the largest size, as `degrees` takes it, for which a series of degree 3, 4
     ... up to `MOST_TERMS` holds over this unit; growth: as of `degrees`.
@@ -84,31 +85,9 @@ def last_terms(terms: Array, last: Array, unit: Array) -> Array:
     return size
 
 
-def line_flow(
-    equation: Recurrence,
-    segments: Segments,
-    lanes: Lanes,
-    growth: Array | float = GROWTH,
-) -> TaylorSeries:
-    """Return the series of lanes under straight lines, each to the end of its line or
-    for `LONGEST`; growth: as of `degrees`.
-    """
-    drive = line_drive(segments, lanes)
-    return line_series(equation, lanes.y, lanes.v, drive, lanes.force, growth)
-
-
-class OnLine(Protocol):
-    """Lanes on straight lines, as `Lanes`."""
-
-    side: Array
-    amplitude: Array
-    omega: Array
-    segment: Array
-    phase: Array
-
-
-def line_drive(segments: Segments, lanes: OnLine, unit: Array | None = None) -> Drive:
-    """Return the drive of lanes on their straight line from now on. unit: unit of time
+def line_drive(segments: Segments, lanes: Any, unit: Array | None = None) -> Drive:
+    """Return the drive of lanes, with the names of `Lanes`, on their straight line from
+    now on. unit: unit of time
     of the series [tau], None for the rest of the line.
     """
     if unit is None:
@@ -146,24 +125,23 @@ def weight_series(segments: Segments, lanes: Lanes, order: int) -> TaylorSeries 
         drive, _ = drive_series(segments, lanes, order)
     assert drive.weight is not None
     unit = drive.unit
-    return TaylorSeries(drive.weight.array[:, : unit.size], unit, unit, 1.0 / unit)
+    return TaylorSeries(drive.weight.array[:, : unit.size], unit, unit)
 
 
-def line_series(
+def line_flow(
     equation: Recurrence,
-    y: Array,
-    v: Array,
-    drive: Drive,
-    force: Array | None = None,
+    segments: Segments,
+    lanes: Lanes,
     growth: Array | float = GROWTH,
 ) -> TaylorSeries:
-    """Return the Taylor series of lanes under a drive and a weight
-    that vary linearly; growth: as of `degrees`.
+    """Return the series of lanes under straight lines, each to the end of its line or
+    for `LONGEST`; growth: as of `degrees`.
     """
+    drive = line_drive(segments, lanes)
     unit = drive.unit
     # A bound of |y''| and of the slope of the drive gives the degree.
     line = drive.terms.array[:, : unit.size]
-    size = 2.0 + np.abs(v) * (growth / GROWTH)
+    size = 2.0 + np.abs(lanes.v) * (growth / GROWTH)
     for rows in (drive.terms, drive.weight):
         if rows is None:
             continue
@@ -173,24 +151,24 @@ def line_series(
     degree = degrees(size, unit, equation.tolerance, growth)
     terms = motion_terms(
         equation,
-        y,
-        v,
+        lanes.y,
+        lanes.v,
         unit,
         factors_for(unit, degree),
         drive.terms,
         drive.weight,
-        force,
+        lanes.force,
     )
     # The last terms show for how long the series holds.
-    last = last_terms(terms, degree * unit.size + np.arange(unit.size), unit)
+    sizes = [_term(terms, degree - i) for i in range(3)]
+    last = sizes[1] * unit * 0.25 + sizes[0]
     with np.errstate(divide="ignore"):
         short = (WITHIN * equation.tolerance * unit / last) ** (1.0 / (degree - 1.0))
     # What is left out: the next two terms, and the bound of the term after the last
     # one, since the terms themselves can be small by accident.
     start, gain = np.abs(line)
     slope = growth * growth * weight + equation.gain * (start + gain)
-    change = equation.gain * (gain + np.abs(v * unit))
-    sizes = [_term(terms, degree - i) for i in range(3)]
+    change = equation.gain * (gain + np.abs(lanes.v * unit))
     error = 2.0 * equation.damping * sizes[0]
     error += _speed_error(sizes, degree, unit, slope, change)
     error += size * unit * (growth * unit) ** (degree - 1.0) * _INVERSES[degree]
@@ -205,7 +183,6 @@ def line_series(
         terms,
         unit,
         np.minimum(short, 1.0) * unit,
-        np.full(unit.shape, growth),
         equation.damping,
         error,
     )

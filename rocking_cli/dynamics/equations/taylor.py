@@ -5,6 +5,7 @@ its step, so no step is rejected. Impacts and peaks are roots of the series.
 import math
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
 
@@ -14,7 +15,6 @@ from ...motions.blocks import blocks
 from ...motions.segments import Segments
 from ..drive import segment_value
 from ..lanes import Arrays, Lanes
-from .equation import Drive, Instant
 from .recurrence import Recurrence, TermRows, motion_terms
 
 # Allowed error of a step, in y', over the tolerance: errors double every 0.7 in tau,
@@ -33,6 +33,25 @@ WITHIN = 1e-2 * LOCAL
 _TINY = 1e-90
 
 
+class Instant(NamedTuple):
+    """State of lanes at an instant of an arc. Every array is (lanes,)."""
+
+    y: Array  # displacement, in the unit of the side
+    v: Array  # velocity y', by tau
+    b: Array  # acceleration y'', by tau
+    j: Array  # jerk y''', by tau
+
+
+class Drive(NamedTuple):
+    """The shaking of lanes: series in powers of the time over `unit`, from now on."""
+
+    # terms of the outward drive over its value at uplift [-], (terms, lanes)
+    terms: TermRows
+    unit: Array  # unit of time of the series [tau], (lanes,)
+    # terms of the weight over m g [-], (terms, lanes); None if it is constant
+    weight: TermRows | None = None
+
+
 @dataclass
 class TaylorSeries(Arrays):
     """The series of each lane in powers of h / unit, with h the time from its start."""
@@ -40,25 +59,9 @@ class TaylorSeries(Arrays):
     terms: Array  # coefficients of y, (terms, lanes)
     unit: Array  # unit of time of the series [tau], (lanes,)
     longest: Array  # longest h for which the series holds [tau], (lanes,)
-    fastest: Array  # rate of the fastest change [1/tau], (lanes,)
     damping: Array | float = 0.0  # zeta [-], float or (lanes,)
     # bound of the error of y' after `longest`, None where the terms tell it, (lanes,)
     error: Array | None = None
-
-    @property
-    def y(self) -> Array:
-        """Displacement at the start."""
-        return self.terms[0]
-
-    @property
-    def v(self) -> Array:
-        """Velocity at the start."""
-        return self.terms[1] / self.unit
-
-    @property
-    def b(self) -> Array:
-        """Acceleration at the start."""
-        return 2.0 * self.terms[2] / self.unit**2
 
     def at(self, h: Array) -> Instant:
         """y and its first three derivatives after h [tau], (lanes,)."""
@@ -263,17 +266,6 @@ def series_flow(
             some.force,
         )
     return y, fastest
-
-
-def series(
-    terms: Array, fastest: Array, tolerance: float, damping: Array | float = 0.0
-) -> TaylorSeries:
-    """Build the series from its terms, with the longest step that the tolerance allows;
-    arguments as of `longest`.
-    """
-    return TaylorSeries(
-        terms, 1.0 / fastest, longest(terms, fastest, tolerance), fastest, damping
-    )
 
 
 def longest(terms: Array, fastest: Array, tolerance: float) -> Array:

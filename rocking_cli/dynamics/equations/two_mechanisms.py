@@ -11,13 +11,9 @@ from typing import Any
 import numpy as np
 
 from ...arrays import Array
-from ...motions.segments import Segments
-from ..lanes import Lanes
 from .equation import Equation
 from .mechanism import MechanismEquation, composed
-from .recurrence import Series, TermRows
-from .straight_lines import line_flow
-from .taylor import TaylorSeries, series_flow
+from .recurrence import Series
 
 
 class TwoMechanisms(Equation):
@@ -82,37 +78,30 @@ class TwoMechanisms(Equation):
     def edge(self, side: float) -> Any:
         return self.mechanisms[0 if side > 0.0 else 1]
 
-    def _each(
-        self, function: Callable[[MechanismEquation, Any], Any], size: int
-    ) -> Array:
-        """Fill (..., size) with what a function returns for each mechanism and the
-        indices of its lanes.
+    def _each(self, name: str, *numbers: Any, **options: Any) -> Array:
+        """Return what a method of the mechanisms returns for numbers of the lanes, each
+        (..., lanes), where every lane has its own mechanism.
         """
-        which = self._which(size)
+        assert self.which is not None  # `on` has chosen the lanes
         found: Array | None = None
         for i, one in enumerate(self.mechanisms):
-            at = np.flatnonzero(which == i)
-            if at.size:
-                values = np.asarray(function(one, at))
-                if found is None:
-                    found = np.empty((*values.shape[:-1], size), dtype=values.dtype)
-                found[..., at] = values
+            at = np.flatnonzero(self.which == i)
+            if not at.size:
+                continue
+            own = (
+                np.broadcast_to(x, (*np.shape(x)[:-1], self.which.size))[..., at]
+                for x in numbers
+            )
+            values = np.asarray(getattr(one, name)(*own, **options))
+            if found is None:
+                shape = *values.shape[:-1], self.which.size
+                found = np.empty(shape, dtype=values.dtype)
+            found[..., at] = values
         assert found is not None
         return found
 
-    def _which(self, size: int) -> Array:
-        assert self.which is not None  # `on` has chosen the lanes
-        return self.which if self.which.size == size else self.which.repeat(size)
-
-    def flow(self, segments: Segments, lanes: Lanes) -> TaylorSeries:
-        """The series of every lane from its present state."""
-        if segments.straight:
-            return line_flow(self, segments, lanes)
-        y, fastest = series_flow(self, segments, lanes, self.order)
-        longest = self._each(
-            lambda one, at: one.longest(y[:, at], fastest[at]), fastest.size
-        )
-        return TaylorSeries(y, 1.0 / fastest, longest, fastest, self.damping)
+    def longest(self, terms: Array, fastest: Array) -> Array:
+        return self._each("longest", terms, fastest)
 
     def along(
         self, y: Series, new: Callable[[], Series]
@@ -120,38 +109,26 @@ class TwoMechanisms(Equation):
         """The series of F and G about the present y, composed with that of the
         motion.
         """
-        assert isinstance(y, TermRows)
-        count = len(y.array) - 2
-        local = self._each(lambda one, at: one.near(y[0][at], count), y[0].size)
-        return composed(local, y, new)
+        return composed(self._each("near", y[0], count=len(y.array) - 2), y, new)
 
     def force(self, y: Array, a: Array, weight: Array | float = 1.0) -> Array:
-        a, weight = (np.broadcast_to(x, y.shape) for x in (a, weight))
-        return self._each(lambda one, at: one.force(y[at], a[at], weight[at]), y.size)
+        return self._each("force", y, a, weight)
 
     def rotation(self, y: Array) -> Array:
-        y = np.broadcast_to(y, self._shape(y))
-        return self._each(lambda one, at: one.rotation(y[at]), y.size)
+        return self._each("rotation", y)
 
     def rotation_rate(self, y: Array, v: Array) -> Array:
-        return self._each(lambda one, at: one.rotation_rate(y[at], v[at]), y.size)
+        return self._each("rotation_rate", y, v)
 
     def displacement(self, rotation: Array) -> Array:
-        rotation = np.broadcast_to(rotation, self._shape(rotation))
-        return self._each(lambda one, at: one.displacement(rotation[at]), rotation.size)
-
-    def _shape(self, x: Array) -> tuple[int, ...]:
-        assert self.which is not None
-        return self.which.shape if np.size(x) == 1 else np.shape(x)
+        return self._each("displacement", rotation)
 
     def fall(self, y: Array, v: Array) -> tuple[Array, Array]:
-        found = self._each(
-            lambda one, at: np.stack(one.fall(y[at], v[at])).astype(float), y.size
-        )
-        return found[0] > 0.0, found[1]
+        overturns, energy = self._each("fall", y, v)
+        return overturns > 0.0, energy
 
     def peak(self, energy: Array) -> Array:
-        return self._each(lambda one, at: one.peak(energy[at]), energy.size)
+        return self._each("peak", energy)
 
     def may_overturn(self, y: Array, v: Array) -> Array:
         return np.asarray((v > 0.0) | (y >= self.limit))
@@ -159,7 +136,4 @@ class TwoMechanisms(Equation):
     def certainly_overturns(
         self, y: Array, v: Array, inward: Array, steady: bool = True
     ) -> Array:
-        return self._each(
-            lambda one, at: one.certainly_overturns(y[at], v[at], inward[at], steady),
-            y.size,
-        )
+        return self._each("certainly_overturns", y, v, inward, steady=steady)

@@ -7,6 +7,7 @@ from ..batch import Batch
 from ..condition import at_free_peak, in_tolerances, moved, slope_between
 from ..equations.equation import Equation
 from ..lanes import Lanes
+from ..system import System
 from .one_turn import StepResult
 
 
@@ -33,7 +34,7 @@ def carry_errors(
 
 
 def _keep_moment(
-    batch: Batch, lanes: Lanes, at: Array, y: Array, moment: Array
+    batch: Batch | System, lanes: Lanes, at: Array, y: Array, moment: Array
 ) -> None:
     """Store the second moment of |theta|/alpha at peaks y of the lanes `at`, from that
     of y.
@@ -43,7 +44,9 @@ def _keep_moment(
     lanes.moments[3, at] = rate * rate * moment
 
 
-def carry_free_peaks(batch: Batch, lanes: Lanes, at: Array, peak: Array) -> None:
+def carry_free_peaks(
+    batch: Batch | System, lanes: Lanes, at: Array, peak: Array
+) -> None:
     """Take the peaks of free motions into the moments of the lanes `at`."""
     higher = np.flatnonzero(peak > lanes.peak[at])
     at = at[higher]

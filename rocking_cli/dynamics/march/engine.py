@@ -7,18 +7,16 @@ import ctypes
 import sys
 from collections.abc import Sequence
 from contextlib import suppress
-from dataclasses import dataclass
 from functools import cache
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ...arrays import Array
 from ..batch import Batch, cannot_return
 from ..condition import lifted_at_once, rows, through_impact
-from ..contacts.sequences import STILL
+from ..contacts.sequences import STILL, sequence_ends
 from ..drive import place
-from ..equations.equation import Equation
 from ..equations.straight_lines import weight_series
 from ..equations.taylor import TaylorSeries
 from ..lanes import Lanes
@@ -26,7 +24,7 @@ from ..observers.observer import Arcs, Observer
 from ..outcome import FALLEN, Outcome, Work
 from .carried import carry_errors, carry_free_peaks
 from .one_turn import StepResult, advance
-from .proofs import FREE_MOTION, LaneProof, Proved, free_motion, proofs_of
+from .proofs import LaneProof, Proved, proofs_of
 
 if TYPE_CHECKING:
     from .over_samples import OverSamples
@@ -50,16 +48,6 @@ def keep_freed_memory() -> None:
             mallopt = ctypes.CDLL(None).mallopt
             mallopt(_MMAP_THRESHOLD, _BLOCK)
             mallopt(_TRIM_THRESHOLD, 2 * _BLOCK)
-
-
-AnyLanes = TypeVar("AnyLanes", bound=Lanes)
-
-
-@dataclass
-class PooledLanes(Lanes):
-    """Lanes in the pool."""
-
-    slot: Array  # place of the lane in the pool, (lanes,)
 
 
 def ahead_of(
@@ -133,38 +121,22 @@ class Run:
 
     def _march(self, waiting: Array) -> None:
         """March these cells, (cells,) indices, to their end."""
-        lanes, taken = self._begin(waiting[:0]), 0
-        while lanes.cell.size < self.pool and taken < waiting.size:
+        lanes = self._begin(waiting[:0])
+        while waiting.size or lanes.cell.size:
             room = self.pool - lanes.cell.size
-            lanes = lanes.join(self._begin(waiting[taken : taken + room]))
-            taken += room
-        lanes.slot = np.arange(lanes.cell.size)
-        ready = lanes.take(slice(0))  # lanes at their first uplift, without a place
-        while lanes.cell.size:
-            free = np.flatnonzero(self.round(lanes))
-            while free.size and (ready.cell.size or taken < waiting.size):
-                if not ready.cell.size:
-                    ready = self._begin(waiting[taken : taken + self.pool])
-                    taken += self.pool
-                some, ready = (
-                    ready.take(slice(free.size)),
-                    ready.take(slice(free.size, None)),
-                )
-                some.slot, free = free[: some.slot.size], free[some.slot.size :]
-                lanes.put(some.slot, some)
-            if free.size:  # no more cells
-                lanes = lanes.take(np.delete(np.arange(lanes.cell.size), free))
-                lanes.slot = np.arange(lanes.cell.size)
+            if waiting.size and 4 * room >= self.pool:
+                lanes = lanes.join(self._begin(waiting[:room]))
+                waiting = waiting[room:]
+            lanes = self.round(lanes)
 
-    def _begin(self, cell: Array) -> PooledLanes:
+    def _begin(self, cell: Array) -> Lanes:
         """Return lanes for these cells at their first uplift, without those that the
         ground has fallen away from before, or that the very end of the motion lifts.
         """
         lanes = self.end_free_fall(self.start(cell))
-        lanes = self._at_uplift(lanes, np.arange(lanes.cell.size))
-        return lanes.extended(PooledLanes, slot=np.arange(lanes.cell.size))
+        return self._at_uplift(lanes, np.arange(lanes.cell.size))
 
-    def _at_uplift(self, lanes: AnyLanes, at: Array) -> AnyLanes:
+    def _at_uplift(self, lanes: Lanes, at: Array) -> Lanes:
         """Place the lanes `at`, which are at an uplift, inside their segments; finish
         those that nothing lifts any more. Returns the other lanes.
         """
@@ -183,29 +155,18 @@ class Run:
         first = batch.contact.uplift(
             batch.cells, batch.segments, cell, batch.first[cell], np.zeros(size)
         )
-        row = batch.cells.row(first.side)
-        amplitude, omega, eta = (values[row, cell] for values in batch.cells)
-        return Lanes(
-            cell=cell,
-            amplitude=amplitude,
-            omega=omega,
-            eta=eta,
+        return Lanes.at_rest(
+            batch.cells,
+            cell,
+            first.side,
             segment=first.segment,
             phase=first.phase,
-            side=first.side,
-            y=np.zeros(size),
-            v=np.zeros(size),
             force=first.force,
             peak=np.full(size, 0.0 if batch.peaks else np.inf),  # none exceeds infinity
-            impacts=np.zeros(size, dtype=np.int32),
-            steps=np.zeros(size, dtype=np.int32),
-            moments=np.zeros((4, size)),
         )
 
-    def round(self, lanes: PooledLanes) -> Array:
-        """Take one step of every lane, in place; returns True for lanes that have
-        ended.
-        """
+    def round(self, lanes: Lanes) -> Lanes:
+        """Take one step of every lane; returns the lanes that go on, in any order."""
         batch, seg = self.batch, self.batch.segments
         if self.ahead is not None:
             self.ahead.move(lanes)
@@ -247,29 +208,17 @@ class Run:
 
         landed = np.flatnonzero(step.hit & ~ended)
         some = lanes.take(landed)
-        air = ~(ended | step.hit)
+        air = np.flatnonzero(~(ended | step.hit))
         self._into_the_air(lanes, step)
-        ended[landed] = True
+        going = [self._in_the_air(lanes.take(air))]
         if landed.size:
-            going = self._after_impact(
-                some,
-                step.reach[landed],
-                step.impact_v[landed],
-                step.impact_force[landed],
-            )
-            lanes.put(going.slot, going)
-            ended[going.slot] = False
-        self._end_in_the_air(lanes, equation, air, ended)
+            at = step.reach[landed], step.impact_v[landed], step.impact_force[landed]
+            going.append(self._after_impact(some, *at))
         if unmoved.cell.size:
             k = np.minimum(unmoved.segment + 1, len(seg))
-            again = self._to_uplift(unmoved, np.arange(k.size), k, np.zeros(k.size))
-            lanes.put(again.slot, again)
-            ended[again.slot] = False
-        if batch.free_fall is not None:
-            here = np.flatnonzero(~ended)
-            ended[here] = True
-            ended[self.end_free_fall(lanes.take(here)).slot] = False
-        return ended
+            every = np.arange(k.size)
+            going.append(self._to_uplift(unmoved, every, k, np.zeros(k.size)))
+        return self.end_free_fall(Lanes.joined(going))
 
     def _show(self, lanes: Lanes, step: StepResult, wanted: Array) -> None:
         """Show the steps to the observers; wanted: True for lanes that are still
@@ -294,31 +243,18 @@ class Run:
         lanes.y, lanes.v = step.end.y, step.end.v
         lanes.force[:] = np.nan
 
-    def _end_in_the_air(
-        self, lanes: PooledLanes, equation: Equation, air: Array, ended: Array
-    ) -> None:
-        """Finish lanes in the air that have ended, and set `ended` for them."""
+    def _in_the_air(self, lanes: Lanes) -> Lanes:
+        """Finish lanes in the air that have ended; returns the other lanes."""
         batch = self.batch
-        still = np.flatnonzero(air & (lanes.segment >= batch.shaken))
-        if batch.equation.damped and still.size:
-            some = lanes.take(still)
-            for proof in self.proofs:
-                some = self._prove(proof, some)
-            lanes.put(some.slot, some)
-            ended[still] = True
-            ended[some.slot] = False
-        elif still.size:
-            self.end_shaking(lanes.take(still))
-            ended[still] = True
-        maybe = equation.may_overturn(lanes.y, lanes.v)
-        at = np.flatnonzero(maybe & air & ~ended)
+        for proof in self.proofs:
+            lanes = self._prove(proof, lanes)
+        equation = batch.equation.on(lanes.side, lanes.cell)
+        at = np.flatnonzero(equation.may_overturn(lanes.y, lanes.v))
         at = at[cannot_return(batch.segments, batch.equation, lanes.take(at))]
         self.overturn(lanes, at)
-        ended[at] = True
+        return lanes.take(np.delete(np.arange(lanes.cell.size), at))
 
-    def _after_impact(
-        self, lanes: PooledLanes, h: Array, v: Array, b: Array
-    ) -> PooledLanes:
+    def _after_impact(self, lanes: Lanes, h: Array, v: Array, b: Array) -> Lanes:
         """Return the lanes after impacts h [tau] from now, with velocity v <= 0 and
         force b, without those that the impact finishes.
         """
@@ -348,12 +284,13 @@ class Run:
             lanes = self._prove(proof, lanes)
         return lanes
 
-    def _rest(self, lanes: PooledLanes) -> PooledLanes:
+    def _rest(self, lanes: Lanes) -> Lanes:
         """Take bodies whose sequence of impacts ends in rest to their next uplift, or
         finish them.
         """
         batch = self.batch
-        ends = batch.contact.sequence_ends(batch.segments, lanes, batch.equation)
+        there = batch.contact.other_side(lanes)
+        ends = sequence_ends(batch.segments, lanes, batch.equation, there)
         resting = np.flatnonzero(ends | (lanes.v < STILL))
         for observer in self.observers if resting.size else ():
             resting = resting[observer.may_rest(lanes.take(resting))]
@@ -365,7 +302,7 @@ class Run:
             lanes, resting, lanes.segment[resting], lanes.phase[resting]
         )
 
-    def _to_uplift(self, lanes: AnyLanes, at: Array, k: Array, u: Array) -> AnyLanes:
+    def _to_uplift(self, lanes: Lanes, at: Array, k: Array, u: Array) -> Lanes:
         """Take the lanes `at`, which rest at (k, u), to their next uplift; finish those
         that nothing lifts any more. Returns the other lanes.
         """
@@ -381,7 +318,7 @@ class Run:
         lanes.moments[:2, at], lanes.moments[2, at] = 0.0, np.where(at_once, vv, 0.0)
         return self._at_uplift(lanes, at)
 
-    def end_free_fall(self, lanes: AnyLanes) -> AnyLanes:
+    def end_free_fall(self, lanes: Lanes) -> Lanes:
         """Finish bodies from which the ground has fallen away: overturned if the
         rotation is at least `FALLEN`, otherwise lost contact.
         """
@@ -393,13 +330,7 @@ class Run:
         self.finish(lanes, np.flatnonzero(falls & ~over), Outcome.LOST_CONTACT, np.nan)
         return lanes.take(np.flatnonzero(~falls))
 
-    def end_shaking(self, lanes: Lanes) -> None:
-        """Finish undamped lanes for which the shaking is over, by the outcome of their
-        free motion.
-        """
-        self._end(FREE_MOTION, lanes, free_motion(self.batch, lanes))
-
-    def _prove(self, proof: LaneProof, lanes: AnyLanes) -> AnyLanes:
+    def _prove(self, proof: LaneProof, lanes: Lanes) -> Lanes:
         """Finish the lanes whose outcome is proved; returns the other lanes."""
         proved = proof.proves(self.batch, lanes)
         if proved.at.size:
@@ -423,8 +354,8 @@ class Run:
         if proof.still and self.batch.peaks:
             carry_free_peaks(self.batch, lanes, at, np.broadcast_to(peak, at.shape))
         self.finish(lanes, at, outcome, peak)
-        if proof.counts:
-            setattr(self.work, proof.counts, getattr(self.work, proof.counts) + at.size)
+        if proof.still and not self.batch.equation.damped:
+            self.work.free_phase += at.size
         return at
 
     def overturn(self, lanes: Lanes, at: Array) -> None:
@@ -470,16 +401,8 @@ class Run:
         """
         seg, k = self.batch.segments, lanes.segment
         at = np.flatnonzero((k > before) & (k < len(seg)))
-        self.renew_force(lanes, at[~seg.joins[k[at] - 1]])
-
-    def renew_force(self, lanes: Lanes, at: Array) -> None:
-        """Recompute the force on the lanes `at`, which are at the start
-        of a segment.
-        """
-        seg = self.batch.segments
-        side = lanes.side[at]
-        amplitude = lanes.amplitude[at]
-        k = lanes.segment[at]
+        at = at[~seg.joins[k[at] - 1]]
+        side, amplitude, k = lanes.side[at], lanes.amplitude[at], k[at]
         weight = seg.weight(side, amplitude, k, lanes.phase[at])
         drive = -side * amplitude * seg.s_start[k]
         lanes.force[at] = self.batch.equation.on(side, lanes.cell[at]).force(

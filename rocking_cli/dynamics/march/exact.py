@@ -9,8 +9,8 @@ import numpy as np
 
 from ...arrays import Array
 from ...motions.segments import Segments
-from ..equations.equation import Instant
 from ..equations.linear_flow import LONGEST, LinearFlow
+from ..equations.taylor import Instant
 from ..lanes import Lanes
 from .one_turn import StepResult
 

@@ -20,8 +20,8 @@ import numpy as np
 
 from ...arrays import Array
 from ...motions.segments import Segments
-from ..equations.equation import Equation, Instant
-from ..equations.taylor import MOST_TERMS, TaylorSeries, powers, product
+from ..equations.equation import Equation
+from ..equations.taylor import MOST_TERMS, Instant, TaylorSeries, powers, product
 from ..lanes import Lanes
 from .roots import bernstein_form, fall_guess, only_root, turn_guess
 

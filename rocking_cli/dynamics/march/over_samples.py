@@ -18,7 +18,7 @@ from ...arrays import Array
 from ..batch import Batch
 from ..condition import in_tolerances, moved
 from ..equations.linear_flow import LONGEST
-from ..lanes import Arrays, Lanes
+from ..lanes import Arrays, Lanes, ahead
 
 # interval between samples [tau] up to which bodies go over samples: the series of the
 # weights in `bounded_response` hold, the first term left out is below 1e-17
@@ -160,18 +160,7 @@ class OverSamples:
 
     def move(self, lanes: Lanes) -> None:
         """Take lanes that are in the air over samples, in place."""
-        flights, finished = self._begin(lanes), list[Flights]()
-        on = np.ones(flights.y.size, dtype=bool)
-        for _ in range(_TRIES):
-            on = self._try(flights, on)
-            going = np.flatnonzero(on)
-            if 2 * going.size < on.size:
-                finished.append(flights.take(np.flatnonzero(~on)))
-                flights, on = flights.take(going), on[going]
-            if not going.size:
-                break
-        ended = Flights.joined([*finished, flights])
-        self._end(lanes, ended.take(np.flatnonzero(ended.time > 0.0)))
+        self._end(lanes, ahead(self._begin(lanes), self._try, _TRIES))
 
     def _begin(self, lanes: Lanes) -> Flights:
         """Return the flights of lanes that are in the air."""
@@ -261,9 +250,9 @@ class OverSamples:
         least = self._least(flights, flights.outward)
         free, fall = horizon(flights.y, flights.v, least)
         most = np.minimum(np.left_shift(1, flights.level), flights.left)
-        ahead = np.fmin(flights.past + free * (_SHARE / flights.pace), most)
-        on = ahead >= 1.0
-        count = np.where(on, ahead, 1.0).astype(np.int64)
+        reach = np.fmin(flights.past + free * (_SHARE / flights.pace), most)
+        on = reach >= 1.0
+        count = np.where(on, reach, 1.0).astype(np.int64)
         duration = (count - flights.past) * flights.pace
         grown = np.exp(duration)
         up, down = flights.up * grown, flights.down / grown

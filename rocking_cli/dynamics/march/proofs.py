@@ -9,7 +9,6 @@ import numpy as np
 
 from ...arrays import Array
 from ..batch import Batch
-from ..contacts.lasting_bounces import NEARLY_ELASTIC, too_many_impacts
 from ..lanes import Lanes
 from ..outcome import Outcome
 
@@ -30,10 +29,9 @@ class Proved(NamedTuple):
 class LaneProof(NamedTuple):
     """A proof that ends the march of lanes early."""
 
-    # function of the batch and of its lanes just after an impact; returns the lanes
-    # whose outcome it proves
+    # function of the batch and of its lanes just after an impact, or in the air at the
+    # end of a step; returns the lanes whose outcome it proves
     proves: Callable[[Batch, Lanes], Proved]
-    counts: str = ""  # field of `Work` that counts these lanes
     # True for a proof about still ground, before which the run calls its observers
     still: bool = False
 
@@ -62,7 +60,7 @@ def damped_settling(batch: Batch, lanes: Lanes) -> Proved:
     return Proved(at, Outcome.ROCKED, lanes.peak[at])
 
 
-FREE_MOTION = LaneProof(free_motion, "free_phase", still=True)
+FREE_MOTION = LaneProof(free_motion, still=True)
 UNSETTLED = LaneProof(
     lambda batch, lanes: Proved(
         np.flatnonzero(lanes.segment >= len(batch.segments)), Outcome.FAILED, np.nan
@@ -73,13 +71,6 @@ DAMPED = [
     LaneProof(damped_settling, still=True),
     UNSETTLED,
 ]
-TOO_MANY_IMPACTS = LaneProof(
-    lambda batch, lanes: Proved(
-        np.flatnonzero(too_many_impacts(batch.segments, lanes, batch.most_steps)),
-        Outcome.FAILED,
-        np.nan,
-    )
-)
 
 
 def proofs_of(batch: Batch, observed: bool) -> tuple[list[LaneProof], list[LaneProof]]:
@@ -93,10 +84,7 @@ def proofs_of(batch: Batch, observed: bool) -> tuple[list[LaneProof], list[LaneP
         return [FREE_MOTION], []
     # If only the outcome is wanted, lanes that cannot overturn any more end.
     last = [] if observed or batch.peaks else _cannot_overturn(batch)
-    early = [FREE_MOTION]
-    if batch.contact.alike and batch.cells.eta.max(initial=0.0) > NEARLY_ELASTIC:
-        early.append(TOO_MANY_IMPACTS)
-    return early, last
+    return [FREE_MOTION], last
 
 
 def _cannot_overturn(batch: Batch) -> list[LaneProof]:

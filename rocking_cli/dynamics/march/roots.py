@@ -2,14 +2,15 @@
 points. Each lane iterates by itself; no digit depends on its neighbours.
 """
 
+from dataclasses import dataclass
 from functools import lru_cache
 from math import comb
-from typing import NamedTuple
 
 import numpy as np
 
 from ...arrays import Array
 from ..equations.taylor import powers, product
+from ..lanes import Arrays
 
 _NODES = 17  # points of a step at which an impact is looked for
 _NEAR = 6  # degree of the series about a guess
@@ -138,7 +139,8 @@ def only_root(
     return found
 
 
-class LocalStep(NamedTuple):
+@dataclass
+class LocalStep(Arrays):
     """A step from s to the root by the series about s. Every array is (lanes,)."""
 
     r: Array  # the step over s
@@ -149,10 +151,6 @@ class LocalStep(NamedTuple):
     def to(self, s: Array) -> Array:
         """The s to which the step leads."""
         return np.asarray(s * (1.0 + self.r))
-
-    def take(self, at: Array) -> "LocalStep":
-        """Return these lanes only."""
-        return LocalStep(*(x[at] for x in self))
 
 
 def _most(speed: bool) -> float:

@@ -33,7 +33,7 @@ from ..equations.straight_lines import (
     line_drive,
 )
 from ..equations.taylor import MOST_TERMS, WITHIN
-from ..lanes import Arrays, Lanes
+from ..lanes import Arrays, Lanes, ahead
 from ..observers.observer import Observer
 
 _LONGEST = 0.15  # duration of a line that is tried, at most [tau]
@@ -111,6 +111,12 @@ class OnLines(Arrays):
     time: Array  # duration of the lines that are behind [tau]
     degree: Array  # degree of the series of each line
     limits: LineLimits  # limits of the lanes
+    law_of: Callable[["OnLines"], Recurrence]  # returns the equation of lanes
+
+    @cached_property
+    def law(self) -> Recurrence:
+        """The equation of these lanes."""
+        return self.law_of(self)
 
     @cached_property
     def factors(self) -> Array:
@@ -121,16 +127,6 @@ class OnLines(Arrays):
     def last(self) -> Array:
         """Flat index of the last term, as of `last_terms`."""
         return self.degree * self.y.size + np.arange(self.y.size)
-
-
-class Behind(NamedTuple):
-    """Lines that lanes have behind them. Every array is (lanes,)."""
-
-    lane: Array  # index of the lane
-    segment: Array  # index of the next line
-    y: Array  # displacement at its start
-    v: Array  # dy/dtau there
-    time: Array  # duration of the lines [tau]
 
 
 class WholeLines:
@@ -162,7 +158,7 @@ class WholeLines:
         def law(some: OnLines) -> Recurrence:
             return equation.on(some.side, some.cell)
 
-        behind = self.over(self.on_lines(lanes, at, limits), law)
+        behind = self.over(self.on_lines(lanes, at, limits, law))
         if self.batch.peaks:
             self._carry_errors(lanes, behind)
         self.put(lanes, behind)
@@ -179,10 +175,11 @@ class WholeLines:
         lanes: Lanes,
         at: Array,
         limits: LineLimits,
+        law_of: Callable[[OnLines], Recurrence],
         pull: tuple[Any, Any] = (0.0, 0.0),
     ) -> OnLines:
-        """Return the lanes `at` on their lines; pull: constant and stiffness of what
-        restraints take from y'', (lanes,) each.
+        """Return the lanes `at` on their lines; law_of: as of `OnLines`; pull: constant
+        and stiffness of what restraints take from y'', (lanes,) each.
         """
         seg, k = self.segments, lanes.segment[at]
         amplitude, omega, v = lanes.amplitude[at], lanes.omega[at], lanes.v[at]
@@ -210,39 +207,26 @@ class WholeLines:
             time=np.zeros(at.size),
             degree=degree,
             limits=limits,
+            law_of=law_of,
         )
 
-    def over(self, some: OnLines, law_of: Callable[[OnLines], Recurrence]) -> Behind:
-        """Take lanes over lines that are clear, and return those that lanes have behind
-        them; law_of: returns the equation of lanes.
+    def over(self, some: OnLines) -> OnLines:
+        """Return lanes after the lines that are clear, those that have some behind
+        them.
         """
-        on, law, ended = np.ones(some.y.size, dtype=bool), law_of(some), []
-        for _ in range(_LINES):
-            on = self._line(law, some, on)
-            going = np.flatnonzero(on)
-            if 2 * going.size < on.size:
-                ended.append(some.take(np.flatnonzero(~on)))
-                some, on = some.take(going), on[going]
-                law = law_of(some)
-            if not going.size:
-                break
-        behind = Behind(
-            *(
-                np.concatenate([getattr(one, name) for one in (*ended, some)])
-                for name in Behind._fields
-            )
-        )
-        gone = np.flatnonzero(behind.time > 0.0)
-        return Behind(*(x[gone] for x in behind))
+        behind: OnLines = ahead(some, self._line, _LINES)
+        return behind
 
-    def _line(self, law: Recurrence, some: OnLines, going: Array) -> Array:
+    def _line(self, some: OnLines, going: Array) -> Array:
         """Take those `going` to the ends of their lines, where these are clear; returns
         True for lanes that may go on.
         """
         h = (self.segments.length[some.segment] - some.phase) / some.omega
         drive = line_drive(self.segments, some, h)
         factors = h * h * some.factors
-        terms = motion_terms(law, some.y, some.v, h, factors, drive.terms, drive.weight)
+        terms = motion_terms(
+            some.law, some.y, some.v, h, factors, drive.terms, drive.weight
+        )
         end = LineEnd.of(terms)
         clear = some.limits.hold(some.y, terms[1], end, h)
         clear &= last_terms(terms, some.last, h) <= self.least * h
@@ -265,7 +249,7 @@ class WholeLines:
         some.phase[clear] = 0.0
         return clear & (some.left > 0)
 
-    def _carry_errors(self, lanes: Lanes, behind: Behind) -> None:
+    def _carry_errors(self, lanes: Lanes, behind: OnLines) -> None:
         """Carry the moments of the errors over the lines."""
         at, h = behind.lane, behind.time
         equation = self.batch.equation.on(lanes.side[at], lanes.cell[at])
@@ -276,7 +260,7 @@ class WholeLines:
         lanes.moments[:3, at] = moved(moments, h, slope, equation.damping, error)
 
     @staticmethod
-    def put(lanes: Lanes, behind: Behind) -> None:
+    def put(lanes: Lanes, behind: OnLines) -> None:
         """Put lanes where their lines have ended."""
         at = behind.lane
         lanes.segment[at], lanes.phase[at] = behind.segment, 0.0

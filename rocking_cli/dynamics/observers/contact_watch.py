@@ -17,7 +17,8 @@ force and k b the largest stiffness of the tendon,
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, NamedTuple
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -30,7 +31,7 @@ from ..contacts.sequences import STILL, sequence_bounds
 from ..drive import summed
 from ..equations.equation import Equation
 from ..equations.taylor import powers
-from ..lanes import Lanes
+from ..lanes import Arrays, Lanes
 from .observer import Arcs, Observer
 
 if TYPE_CHECKING:
@@ -45,7 +46,8 @@ _TOGETHER = 512  # lanes whose parts are cut together
 _CUTS = 30
 
 
-class StepParts(NamedTuple):
+@dataclass
+class StepParts(Arrays):
     """Parts of steps between two instants after their start, (parts,)."""
 
     lane: Array  # index of the lane
@@ -53,10 +55,6 @@ class StepParts(NamedTuple):
     high: Array  # last instant [tau]
     fz_low: Array  # Fz/(m g) at the first instant [-]
     fz_high: Array  # Fz/(m g) at the last instant [-]
-
-    def take(self, at: Array | slice) -> StepParts:
-        """Return these parts only."""
-        return StepParts(*(x[at] for x in self))
 
 
 class ContactWatch(Observer):

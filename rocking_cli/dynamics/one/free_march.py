@@ -13,10 +13,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..batch import INSTANT
 from ..condition import lifted_at_once, through_impact
 from ..contacts.contact import rebound
-from ..contacts.lasting_bounces import too_many_impacts
-from ..contacts.sequences import BELOW_ROUNDING
+from ..contacts.sequences import BELOW_ROUNDING, sequence_ends, sequence_time
 from ..drive import place
 from ..equations.recurrence import motion_terms
 from ..equations.taylor import LONGEST, MOST_TERMS, RECIPROCALS
@@ -39,7 +39,6 @@ from .step import (
 
 _LONGEST = 4.0  # tau: longest step along sinusoids
 _SHORTEST = 1e-14  # tau: a body whose series holds no longer than this fails
-_INSTANT = 1e-9  # tau: this close to a free fall of the ground the weight counts as 0
 # tau: moments of an error are carried over no longer arcs, and over several lines of a
 # record at once as long as these together are no longer
 _SLOWLY, _WAITS = 0.5, 0.25
@@ -75,7 +74,7 @@ class March(MarchState):
             ):
                 self.steps += 1
                 self._step()
-                if self.steps > self.most and self.end is None:
+                if self.steps > self.lane.most and self.end is None:
                     self._finish(Outcome.FAILED)
         return self.end
 
@@ -95,7 +94,7 @@ class March(MarchState):
         ) / edge.omega
         if self.free_fall is not None and self.free_fall.occurs[0]:
             left = min(whole, float(self.free_fall.time_left(self._lanes())[0]))
-            if left <= _INSTANT:
+            if left <= INSTANT:
                 self._fall_freely()
                 return
         terms, h = self._series(left)
@@ -310,14 +309,6 @@ class March(MarchState):
             self.unseen += 1
             if self.v <= self.ending or self.unseen >= _UNSEEN:
                 self._rest()
-        # Ask now and then, each time the number of impacts has doubled, whether they
-        # would never end.
-        elif (
-            self.impacts > 15
-            and self.impacts & (self.impacts - 1) == 0
-            and self._bounces_too_often()
-        ):
-            self._finish(Outcome.FAILED)
         elif self.segment < self.motion.count and self._comes_to_rest(to, fall):
             if self.listener is not None and math.isfinite(self.listener.visible):
                 self.ending, self.unseen = _SUMMED * self.v, 0
@@ -336,11 +327,13 @@ class March(MarchState):
 
     def _sequence_ends(self, lanes: Lanes) -> bool:
         """True if Lemma 7 proves that the bounces end in rest."""
-        return bool(self.contact.sequence_ends(self.segments, lanes, self.equation)[0])
+        there = self.contact.other_side(lanes)
+        return bool(sequence_ends(self.segments, lanes, self.equation, there)[0])
 
     def _sequence_time(self, lanes: Lanes) -> float:
         """How long the bounces last [tau of the side]."""
-        return float(self.contact.sequence_time(self.segments, lanes)[0])
+        there = self.contact.other_side(lanes)
+        return float(sequence_time(self.segments, lanes, there)[0])
 
     def _slow_enough(self, edge: LaneEdge, fall: float) -> bool:
         """The part of the test of Lemma 7 that needs no arrays: False if the lemma
@@ -412,17 +405,3 @@ class March(MarchState):
             if first
             else Outcome.ROCKED
         )
-
-    def _bounces_too_often(self) -> bool:
-        """True if the body would need more steps than allowed within this segment."""
-        if (
-            self.segment >= self.lane.shaken
-            or self.lane.zeta
-            or self.lane.restraints is not None
-            or not self.contact.alike
-            or self.segments.weighed is not None
-        ):
-            return False
-        lanes = self._lanes()
-        lanes.steps[0] = self.impacts
-        return bool(too_many_impacts(self.segments, lanes, self.most)[0])

@@ -12,23 +12,23 @@ import numpy as np
 from ..condition import in_tolerances, sheared
 from ..lanes import Cells, Lanes
 from ..outcome import Outcome
+from ..tied.cuts import SLOWEST
 from ..tied.devices import BROKEN, ELASTIC, SLACK, YIELDING
-from ..tied.tied_lanes import TiedLanes
+from ..tied.tied_lanes import STILL, TiedLanes
+from ..tied.transitions import leave, pass_end, release, unload
 from .free_march import Stop
 from .held_state import HeldState
 from .lane import LaneEdge
 from .lane_restraints import ONE
 from .step import after_turn, bulge, only_fall, root, turn_of, value
 
-_STILL = 1e-20  # a speed below this after an impact counts as zero
-_SLOWEST = 1e-14  # speed at which an upper end is passed, at least
 _WORDS = {SLACK: "slack", ELASTIC: "engagement", YIELDING: "yield", BROKEN: "rupture"}
 
 
 class HeldMarch(HeldState):
     """The march of one body with restraints, from event to event."""
 
-    still = _STILL
+    still = STILL
 
     # From branch to branch.
 
@@ -45,13 +45,13 @@ class HeldMarch(HeldState):
     def _onto(self, edge: LaneEdge) -> None:
         super()._onto(edge)
         self.ties.side[0] = edge.side
-        self.changes.leave(self.ties, ONE)
+        leave(self.devices, self.ties, ONE)
         self._hold()
 
-    def _release(self, release: float) -> None:
-        super()._release(release)
+    def _release(self, rotation: float) -> None:
+        super()._release(rotation)
         self.ties.y[0] = self.y
-        self.changes.release(self.ties)
+        release(self.devices, self.ties)
         self.reached[0] = self.y
         self._hold()
 
@@ -66,7 +66,7 @@ class HeldMarch(HeldState):
         """Move the devices that are at an end of their branch to the next one."""
         before, branch = self.held, self.ties.branch[self.held.row[0], :, 0].copy()
         self.ties.y[0] = self.y
-        broken = self.changes.pass_end(self.ties, ONE, before.row, limits, sign)
+        broken = pass_end(self.devices, self.ties, ONE, before.row, limits, sign)
         self._hold()
         self._note_changes(branch)
         if broken.size and self.carries:
@@ -82,7 +82,7 @@ class HeldMarch(HeldState):
         for i in np.flatnonzero(now != before).tolist():
             unloads = before[i] == YIELDING and now[i] == ELASTIC
             word = "unloading" if unloads else _WORDS[int(now[i])]
-            name = self.restraints.devices.names[i]
+            name = self.devices.names[i]
             self._note(word, self.y, self.v, device=name)
 
     # Events in a step.
@@ -176,12 +176,12 @@ class HeldMarch(HeldState):
             self.yielded = max(self.yielded, self.moments[0])
             branch = self.ties.branch[self.held.row[0], :, 0].copy()
             self.ties.y[0] = self.y
-            self.changes.unload(self.ties, ONE, self.held.row)
+            unload(self.devices, self.ties, ONE, self.held.row)
             self._hold()
             self._note_changes(branch)
 
     def _pass_upper_end(self, v: float) -> None:
-        self.v = max(v, _SLOWEST)
+        self.v = max(v, SLOWEST)
         self._stretch(self.y)
         if self.held.high >= self.edge.limit:
             self._finish(self._overturned())

@@ -5,36 +5,33 @@ with the ground and its end.
 import math
 from bisect import bisect_left
 from dataclasses import fields
+from typing import Any
 
 import numpy as np
 
 from ..lanes import Lanes
 from ..outcome import Outcome
 from ..tied.devices import Branch
-from ..tied.tied_lanes import TiedLanes
-from ..tied.transitions import Transitions
+from ..tied.tied_lanes import TiedLanes, touch_of
+from ..tied.transitions import keep_yield, stretch
 from .free_march import March
 from .lane import LaneEdge
 from .lane_restraints import ONE
 from .state import Ended, LawOfDevices
 
-# largest |y| of a touch over the peak: this part of the tolerance of y, or rounding;
-# to it comes what the last step leaves out
-_TOUCH, _ROUNDING = 1e-2, 1e-13
-
 
 class HeldState(March):
     """The state of the march of one body with restraints."""
 
-    def _prepare(self) -> None:
+    def __init__(self, *arguments: Any) -> None:
+        super().__init__(*arguments)
         assert self.lane.restraints is not None
         self.restraints = self.lane.restraints
-        devices = self.restraints.devices
+        self.devices = devices = self.restraints.devices
         self.ties = self.restraints.slack()
-        self.changes = Transitions(devices)
         self.held = self.restraints.on(1.0, self.edge.limit, self.ties)
         self.watched, self.peak = True, 0.0  # the peak tells how close a touch is
-        self.touch = max(_ROUNDING, _TOUCH * self.equation.tolerance)
+        self.touch = touch_of(self.equation.tolerance)
         self.reached = [0.0, 0.0]  # y up to which elongations are noted, by row
         # second moment of the error of y at which a restraint yielded (`tied.carried`)
         self.yielded = 0.0
@@ -62,22 +59,15 @@ class HeldState(March):
         held = self.held
         limits = held.limits
         if self.segment < self.lane.shaken:
-            limits = self._limits_of_lines()
+            limits = self.lane.size_limits(self.edge.omega, held.growth)
         return 3 + bisect_left(limits, held.size(shaking, self.y, self.v))
-
-    def _limits_of_lines(self) -> list[float]:
-        key = self.edge.omega, self.held.growth
-        found = self.restraints.limits.get(key)
-        if found is None:
-            found = self.restraints.limits[key] = self.lane.size_limits(*key)
-        return found
 
     def _stretch(self, y: float) -> None:
         """Keep the elongations of the devices at y if they are the largest so far."""
         row = int(self.held.row[0])
         if y > self.reached[row]:
             self.reached[row] = y
-            self.changes.stretch(self.ties, ONE, self.held.row, np.array([y]))
+            stretch(self.devices, self.ties, ONE, self.held.row, np.array([y]))
 
     def _devices_now(self) -> tuple[np.ndarray, Branch]:
         return self.held.row, self.held.now
@@ -126,6 +116,6 @@ class HeldState(March):
 
     def _finish(self, outcome: Outcome) -> Ended:
         self.ties.y[0] = self.y
-        self.changes.keep_yield(self.ties, ONE, self.held.row)
+        keep_yield(self.devices, self.ties, ONE, self.held.row)
         self.end = super()._finish(outcome)._replace(restraints=self.ties)
         return self.end

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from ...motions.motion import Motion
-from ..batch import SETTLING
+from ..batch import Batch
 from ..body import Edge
 from ..equations.equation import Equation
 from ..equations.straight_lines import GROWTH, size_limits
@@ -35,7 +35,6 @@ class LaneEdge(NamedTuple):
     # the unit of its side
     speed_ratio: float
     cycle_ratio: float  # the same for a bounce until the body is back on this side [-]
-    unit: float  # y = 1 of this side, in the unit of the first side
     top: float  # y of the unstable equilibrium
     limit: float  # y from which the body lies on its side
     equation: Equation  # equation of this edge, with numbers that are floats
@@ -56,21 +55,12 @@ class Lane:
     """
 
     def __init__(self, system: System, motion: Motion, omega: float) -> None:
-        segments = system.segments(motion)
         self.omega = np.array([omega])
-        self.shaken = len(segments)  # number of segments of the motion itself
-        cells = system.contact.cells(system.equation, np.ones(1), self.omega)
-        # no closed form of the free motion: march on over still ground
-        if system.devices is not None:
-            segments = segments.followed_by_rest(math.inf)
-        elif system.equation.damped:
-            segments = segments.followed_by_rest(
-                SETTLING
-                * (1.0 + 3.0 * system.equation.damping)
-                * float(cells.omega.max())
-            )
-        self.system = system
-        self.segments = segments
+        batch = Batch.of(system, system.segments(motion), np.ones(1), self.omega)
+        cells, segments = batch.cells, batch.segments
+        self.system, self.segments = system, segments
+        self.shaken = batch.shaken  # number of segments of the motion itself
+        self.most = batch.most_steps  # number of steps that are too many
         self.motion = MotionLists(segments)
         self.zeta = float(system.equation.damping)
         self.longest = float(np.max(segments.length[: min(self.shaken, _SAMPLED)]))
@@ -132,11 +122,11 @@ class Lane:
         """Return the edge of a side under A = 1."""
         at, lanes = np.array([side]), self.lanes(cells, side)
         equation, weighed = self.system.equation.on(at), self.segments.weighed
-        contact, there = self.system.contact, self.system.contact.other_side(lanes)
+        there = self.system.contact.other_side(lanes)
         sway = 0.0
         if weighed is not None:
             sway = _float_of(weighed.sway(at, lanes.amplitude))
-        eta, one = float(lanes.eta[0]), np.ones(1)
+        eta = float(lanes.eta[0])
         return LaneEdge(
             side=side,
             drive=-side * float(lanes.amplitude[0]),
@@ -144,7 +134,6 @@ class Lane:
             sway=sway,
             speed_ratio=eta,
             cycle_ratio=eta if there is None else eta * _float_of(there.back),
-            unit=float(contact.converted(one, at, one, np.zeros(1, dtype=int))[0]),
             top=_float_of(equation.displacement(np.ones(1))),
             limit=_float_of(equation.limit),
             equation=self.system.equation.edge(side),
@@ -160,28 +149,7 @@ class Lane:
     def lanes(self, cells: Cells, side: float) -> Lanes:
         """Return a lane for each cell on a side, at rest at the start of the motion."""
         at = np.arange(cells.amplitude.shape[1])
-        sides = np.full(at.size, side)
-        zero = np.zeros(at.size)
-        count = np.zeros(at.size, dtype=np.int64)
-        amplitude, omega, eta = (
-            values[cells.row(sides), at].astype(float) for values in cells
-        )
-        return Lanes(
-            at,
-            amplitude,
-            omega,
-            eta,
-            count,
-            zero,
-            sides,
-            zero.copy(),
-            zero.copy(),
-            zero.copy(),
-            zero.copy(),
-            count.copy(),
-            count.copy(),
-            np.zeros((4, at.size)),
-        )
+        return Lanes.at_rest(cells, at, np.full(at.size, side))
 
     def tau(self, k: int, u: float) -> float:
         """Time [tau of the first side] from the start of the motion to phase u of

@@ -10,6 +10,7 @@ from ...arrays import Array
 from ...motions.segments import Segments
 from ..equations.straight_lines import growth_rate, size_limits
 from ..equations.taylor import LONGEST
+from ..lanes import Cells
 from ..system import System
 from ..tied.bounces import Bounces
 from ..tied.devices import Branch, Devices
@@ -55,15 +56,13 @@ class LaneRestraints:
         self.devices, self.equation = devices, system.equation
         self.law = Law(system.equation, devices)
         self.bounces = Bounces(devices, system.contact, system.equation, segments)
-        # as of `Lane.size_limits`, by Omega and growth rate
-        self.limits: dict[tuple[float, float], list[float]] = {}
         self._held: dict[tuple[float, bytes, bytes], BodyOnBranch] = {}
 
     def slack(self) -> TiedLanes:
         """The restraints at the start, as one lane."""
-        one = np.ones(1)
-        shape = (*self.devices.stiffness.shape, 1)
-        return TiedLanes.at_rest(ONE.copy(), one, one, one, shape)
+        one = np.ones((1, 1))
+        devices = self.devices.stiffness.shape
+        return TiedLanes.slack(Cells(one, one, one), ONE.copy(), devices)
 
     def forces_at_ground(self, ties: TiedLanes) -> Array:
         """The forces [N] with which the devices hold the body at the ground against

@@ -12,17 +12,15 @@ def march(
     peaks: bool = True,
     listener: Listener | None = None,
     release: float = 0.0,
-    most: int = 1 << 62,
 ) -> Ended:
     """The outcome of a body under A = amplitude, from rest or released to the right
     from theta/alpha = release.
 
-    peaks: True if the largest rotation is wanted; most: number of steps and of impacts
-    beyond which the outcome is FAILED.
+    peaks: True if the largest rotation is wanted.
     """
     kind: type[March] = March
     if lane.restraints is not None:
         from .held_march import HeldMarch
 
         kind = HeldMarch
-    return kind(lane, amplitude, peaks, listener, most).run(release)
+    return kind(lane, amplitude, peaks, listener).run(release)

@@ -1,10 +1,12 @@
 """Cells one after the other on floats, for `response` with how="floats"."""
 
+from functools import cache
+
 import numpy as np
 
 from ...arrays import Array
 from ...motions.motion import Motion
-from ..batch import most_steps
+from ..outcome import Work
 from ..system import System
 from .lane import Lane
 from .march import march
@@ -16,11 +18,6 @@ class OneByOne:
     A cell that bounces for very long is left with the outcome FAILED.
     """
 
-    theta_ratio: Array  # max |theta|/alpha [-], NaN where the body fell
-    outcome: Array  # codes of `Outcome`
-    impacts: Array  # impacts during the shaking
-    condition: Array  # condition of the largest rotation
-
     def __init__(
         self,
         system: System,
@@ -28,28 +25,25 @@ class OneByOne:
         cells: tuple[Array, Array],
         peaks: bool,
     ) -> None:
-        self.amplitude, self.omega = (x.tolist() for x in cells)
-        # number of steps beyond which a cell fails
-        self.most = most_steps(len(system.segments(motion.coarsest)))
-        # one lane for each Omega; it serves every amplitude
-        self.lanes = {
-            omega: Lane(system, motion.coarsest, omega)
-            for omega in dict.fromkeys(self.omega)
-        }
-        size = len(self.amplitude)
-        self.theta_ratio = np.empty(size)
-        self.outcome = np.empty(size, dtype=np.uint8)
-        self.impacts = np.empty(size, dtype=np.int32)
-        self.condition = np.empty(size)
-        with np.errstate(all="ignore"):
-            for i in range(size):
-                ended = march(
-                    self._lane(i), self.amplitude[i], peaks=peaks, most=self.most
-                )
-                self.outcome[i] = ended.outcome
-                self.theta_ratio[i] = ended.theta_ratio
-                self.impacts[i] = ended.impacts
-                self.condition[i] = ended.condition
+        @cache
+        def lane_of(omega: float, *eta: float) -> Lane:
+            """The lane of one Omega, and of an eta of its own; it serves every A."""
+            own = system.with_restitution(*eta) if eta else system
+            return Lane(own, motion.coarsest, omega)
 
-    def _lane(self, i: int) -> Lane:
-        return self.lanes[self.omega[i]]
+        eta = system.contact.eta
+        own = [eta] if isinstance(eta, np.ndarray) else []  # of each cell
+        with np.errstate(all="ignore"):
+            found = [
+                march(lane_of(*lane), amplitude, peaks=peaks)
+                for amplitude, *lane in np.array([*cells, *own]).T.tolist()
+            ]
+        # codes of `Outcome`
+        self.outcome = np.array([one.outcome for one in found], dtype=np.uint8)
+        # max |theta|/alpha [-], NaN where the body fell
+        self.theta_ratio = np.array([one.theta_ratio for one in found])
+        # impacts during the shaking
+        self.impacts = np.array([one.impacts for one in found], dtype=np.int32)
+        # condition of the largest rotation
+        self.condition = np.array([one.condition for one in found])
+        self.work = Work(cells=len(found))

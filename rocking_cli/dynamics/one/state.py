@@ -11,10 +11,11 @@ import numpy as np
 from ...arrays import Array
 from ..batch import FreeFall, cannot_return
 from ..body import relief
-from ..condition import ErrorMoments, along, at_free_peak, slope_between
+from ..condition import ErrorMoments, along, slope_between
 from ..contacts.sequences import STILL
 from ..equations.taylor import WITHIN, TaylorSeries
 from ..lanes import Cells, Lanes
+from ..march.carried import carry_free_peaks
 from ..march.roots import from_powers
 from ..observers.observer import Arcs
 from ..outcome import FALLEN, LOST, Outcome
@@ -106,7 +107,6 @@ class MarchState:
         amplitude: float,
         peaks: bool,
         listener: Listener | None,
-        most: int,
     ) -> None:
         self.lane, self.motion, self.segments = lane, lane.motion, lane.segments
         self.contact, self.equation = lane.system.contact, lane.system.equation
@@ -115,7 +115,6 @@ class MarchState:
         )
         self.edges = lane.edges(amplitude)
         self.listener = listener
-        self.most = most  # number of steps, and of impacts, that are too many
         # The state, as in `Lanes`; the force is None where it follows from the drive.
         self.segment, self.phase, self.y, self.v = 0, 0.0, 0.0, 0.0
         self.force: float | None = None
@@ -151,10 +150,6 @@ class MarchState:
         # True where Lemma 13 does not prove beforehand that the body keeps contact
         self.doubtful = amplitude > lane.safe
         self.lost = False  # True after Fz <= 0
-        self._prepare()
-
-    def _prepare(self) -> None:
-        """Set what a body with restraints has besides."""
 
     def _leave_on_still_ground(self) -> None:
         """End the march on still ground: undamped by the closed form of the free motion
@@ -174,21 +169,12 @@ class MarchState:
         )
         outcome = Outcome(int(free.outcome(self.bounced)[0]))
         if outcome == Outcome.ROCKED:
-            highest = self._onto_first(float(free.peak[0]))
-            if self.carries and highest > self.peak:
+            if self.carries:
                 self._carry_on(self.y, self.v, 0.0)
-                here = self.equation.on(np.array([self.edge.side]))
-                moment = at_free_peak(
-                    np.array([self.moments]).T,
-                    (lanes.y, lanes.v, here.force(lanes.y, np.zeros(1))),
-                    free.peak,
-                    lambda y, v: (
-                        self.contact.free_motion(
-                            self.equation, lanes, np.array([0]), y, v
-                        ).peak
-                    ),
-                )
-                self._at_peak(float(moment[0]), float(free.peak[0]))
+                lanes.moments[:3, 0] = self.moments
+                carry_free_peaks(self.lane.system, lanes, np.array([0]), free.peak)
+                self.peak_moment = float(lanes.moments[3, 0])
+            highest = self._onto_first(float(free.peak[0]))
             self.peak = max(self.peak, highest)
         self._finish(outcome)
 
@@ -385,13 +371,13 @@ class MarchState:
         self, reach: float, terms: list[float], speed: float, bend: float
     ) -> Arcs:
         """This step as the step of one lane."""
-        none, h, zeta = np.zeros(1), np.array([reach]), self.lane.zeta
-        arc = TaylorSeries(np.array(terms)[:, None], h, h, none, zeta)
+        h, zeta = np.array([reach]), self.lane.zeta
+        arc = TaylorSeries(np.array(terms)[:, None], h, h, zeta)
         of_weight = None
         if self.weight is not None:
             unit = np.array([self.factors_of[0]])
             rows = np.array(self.weight)[:, None]
-            of_weight = TaylorSeries(rows, unit, unit, none)
+            of_weight = TaylorSeries(rows, unit, unit)
         bounds = np.array([speed]) / h, np.array([bend]) / (h * h)
         wanted, held = np.ones(1, dtype=bool), self._devices_now()
         return Arcs(self._lanes(), arc, h, *bounds, wanted, of_weight, held)

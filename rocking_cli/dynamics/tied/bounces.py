@@ -138,12 +138,11 @@ class Bounces:
         -y'' up to y = height of the free body, at most; the vertical force of a tendon
         at the ground over m g) of lanes for which `end` is True, (lanes,) each.
         """
-        devices, lane = self.devices, np.arange(lanes.cell.size)
+        devices = self.devices
         row = devices.row(side, lanes.cell)
-        on_side = row % devices.sides
-        unit = self.uplift_ratios(lanes)[on_side, lane]
-        branch = lanes.branch[on_side, :, lane].T
-        plastic = lanes.plastic[on_side, :, lane].T
+        here = devices.place(row)
+        unit = self.uplift_ratios(lanes)[here[0], here[2]]
+        branch, plastic = lanes.branch[here].T, lanes.plastic[here].T
         most = devices.largest_pull(row, branch, plastic, unit * height)
         pull = most - devices.pull(row, branch, plastic)
         return unit, pull, devices.press(row, branch, plastic)

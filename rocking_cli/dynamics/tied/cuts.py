@@ -9,7 +9,7 @@ from .devices import Branch
 from .series import Step, falls
 from .tied_lanes import CutStep
 
-_SLOWEST = 1e-14  # speed at which an upper end is passed, at least
+SLOWEST = 1e-14  # speed at which an upper end is passed, at least
 
 
 def cut(
@@ -59,5 +59,5 @@ def cut(
         reach[at], v[at] = falls(here, turned, reach[at])
         v[at] *= sense
         # a body that just reaches the upper end still passes it, and turns beyond it
-        v[up] = np.maximum(v[up], _SLOWEST)
+        v[up] = np.maximum(v[up], SLOWEST)
     return CutStep(reach, y, v, np.where(through, top, y), up, down, peaked)

@@ -120,12 +120,7 @@ class Devices:
         if body is not None and arm is not None:
             weight = restraints.stands[0].moment / arm
         return cls(
-            stiffness=numbers[0],
-            prestress=numbers[1],
-            force=numbers[2],
-            ultimate=numbers[3],
-            height=numbers[4],
-            behind=numbers[5],
+            **dict(zip(cls.cellwise[:6], numbers, strict=True)),
             unit=unit,
             moment=moment,
             tendon=np.array([name == TENDON for name in columns]),
@@ -163,6 +158,13 @@ class Devices:
         if self.which is None or cell is None:
             return on_side
         return np.asarray(on_side + self.sides * self.which[cell])
+
+    def place(self, row: Array, at: Array | None = None) -> tuple[Array, slice, Array]:
+        """Return the place of the devices of these rows in arrays (sides, devices,
+        lanes); at: indices of the lanes, None: all of them.
+        """
+        at = np.arange(row.size) if at is None else at
+        return row % self.sides, slice(None), at
 
     def lever_ends(self) -> Array:
         """The y at which a tie has lost its lever, (rows,): the body counts as
@@ -207,7 +209,7 @@ class Devices:
             / unit
         )
 
-    def thresholds(self, row: Array, plastic: Array) -> tuple[Array, Array]:
+    def thresholds(self, row: Array, plastic: Array | float) -> tuple[Array, Array]:
         """(e from which a device pulls, e at which it yields) with these permanent
         elongations [m]; infinite without stiffness.
         """
@@ -224,13 +226,8 @@ class Devices:
         """The permanent elongation [m] of a device that yields up to this elongation
         and then unloads.
         """
-        with np.errstate(divide="ignore", invalid="ignore"):
-            elastic = (
-                self.on(self.force, row) - self.on(self.prestress, row)
-            ) / self.on(self.stiffness, row)
-        return np.maximum(
-            0.0, np.where(self.on(self.stiffness, row) > 0.0, elongation - elastic, 0.0)
-        )
+        _, yields = self.thresholds(row, 0.0)
+        return np.maximum(0.0, np.where(np.isfinite(yields), elongation - yields, 0.0))
 
     def branch(self, row: Array, branch: Array, plastic: Array) -> Branch:
         """The limits in y and the force law of devices on these branches."""
@@ -342,16 +339,7 @@ class Devices:
     @cached_property
     def alike(self) -> bool:
         """True if the sides have the same devices."""
-        numbers = (
-            self.stiffness,
-            self.prestress,
-            self.force,
-            self.ultimate,
-            self.height,
-            self.behind,
-            self.unit,
-            self.moment,
-        )
+        numbers = (getattr(self, name) for name in self.cellwise if name != "weight")
         return all(bool(np.all(x == x[0])) for x in numbers)
 
     def held_at_first(self) -> Array:

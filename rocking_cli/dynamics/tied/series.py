@@ -21,13 +21,14 @@ import numpy as np
 from ...arrays import Array
 from ...motions.segments import Segments
 from ..batch import cannot_return, inward_to_come
+from ..condition import STEP
 from ..drive import drive_change
 from ..equations import taylor
-from ..equations.equation import Equation, Instant
+from ..equations.equation import Equation
 from ..equations.recurrence import Series, product_term, product_terms
 from ..equations.rigid_body import RigidBodyEquation
 from ..equations.straight_lines import growth_rate, line_flow
-from ..equations.taylor import TaylorSeries
+from ..equations.taylor import Instant, TaylorSeries
 from ..lanes import Lanes
 from ..march.one_turn import error_of, one_turn_step
 from ..march.roots import fall_guess, only_root
@@ -35,7 +36,6 @@ from .devices import Branch, Devices
 from .pulls import Pull
 
 NewSeries = Callable[[], Series]  # returns an empty series
-_STEP = 1e-6  # change of y for a derivative by differences
 
 
 class Step(NamedTuple):
@@ -67,19 +67,17 @@ class Law:
 
     def force(
         self,
+        lanes: Lanes,
         row: Array,
         now: Branch,
-        side: Array,
-        cell: Array,
-        y: Array,
         a: Array,
-        weight: Array | float = 1.0,
+        weight: Array | float,
     ) -> Array:
-        """y'' under the outward drive a and the weight over m g, without damping,
-        (lanes,).
+        """y'' of lanes under the outward drive a and the weight over m g, without
+        damping, (lanes,).
         """
-        free = self.equation.on(side, cell).force(y, a, weight)
-        return free - self.devices.pull_on(row, now).at(y)
+        free = self.equation.on(lanes.side, lanes.cell).force(lanes.y, a, weight)
+        return free - self.devices.pull_on(row, now).at(lanes.y)
 
     def force_now(
         self, segments: Segments, lanes: Lanes, row: Array, now: Branch
@@ -89,7 +87,7 @@ class Law:
         s = segments.s_start[k] + drive_change(segments, k, u)
         weight = segments.weight(side, lanes.amplitude, k, u)
         drive = -side * lanes.amplitude * s
-        return self.force(row, now, side, lanes.cell, lanes.y, drive, weight)
+        return self.force(lanes, row, now, drive, weight)
 
     def cannot_return(
         self, segments: Segments, lanes: Lanes, row: Array, now: Branch
@@ -109,7 +107,7 @@ class Law:
             weight = segments.weighed.least_weight(side, lanes.amplitude, k)
         soft = self.devices.linear_terms(row, now)[1] <= weight
         drive = -inward_to_come(segments, lanes) * weight
-        force = self.force(row, now, side, lanes.cell, lanes.y, drive, weight)
+        force = self.force(lanes, row, now, drive, weight)
         return soft & (force > 0.0)
 
     def flow(
@@ -128,7 +126,8 @@ class Law:
             return line_flow(held, segments, lanes, growth_rate(stiffness))
         rate = 1.0 + np.sqrt(stiffness)
         terms, fastest = taylor.series_flow(held, segments, lanes, self.order, rate)
-        return taylor.series(terms, fastest, self.tolerance, equation.damping)
+        step = taylor.longest(terms, fastest, self.tolerance)
+        return TaylorSeries(terms, 1.0 / fastest, step, equation.damping)
 
 
 class LinearMoment(NamedTuple):
@@ -232,7 +231,7 @@ class CircularMoment(NamedTuple):
 
     def slope(self, y: Any) -> Any:
         """As `LinearMoment.slope`."""
-        return (self.pull.at(y + _STEP) - self.pull.at(y)) / _STEP
+        return (self.pull.at(y + STEP) - self.pull.at(y)) / STEP
 
     def _half_angle(
         self, y: Series, new: NewSeries

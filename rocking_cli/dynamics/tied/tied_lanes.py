@@ -2,15 +2,28 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple, Self
 
 import numpy as np
 
 from ...arrays import Array
-from ..lanes import Lanes
+from ..lanes import Cells, Lanes
 from ..outcome import Work
 from .devices import Branch
+
+# a speed below this counts as zero: it changes y by about as much, and a later uplift
+# by far less than rounding
+STILL = 1e-20
+# largest |y| of a touch over the peak: this part of the tolerance of y, or rounding
+_TOUCH, _ROUNDING = 1e-2, 1e-13
+_SIGNS = ("exact", "bounced", "rests")  # fields that are True or False
+
+
+def touch_of(tolerance: float) -> float:
+    """The largest |y| of a touch of the ground over the peak, at a tolerance of y."""
+    return max(_ROUNDING, _TOUCH * tolerance)
 
 
 @dataclass
@@ -31,33 +44,21 @@ class TiedLanes(Lanes):
     yielded: Array
 
     @classmethod
-    def at_rest(
-        cls,
-        cell: Array,
-        amplitude: Array,
-        omega: Array,
-        eta: Array,
-        shape: tuple[int, ...],
-    ) -> Self:
-        """Lanes at rest on the right at the start of the motion; shape: (sides,
-        devices, lanes).
+    def slack(cls, cells: Cells, cell: Array, devices: Sequence[int]) -> Self:
+        """Lanes of these cells at rest on the right at the start of the motion;
+        devices: number of sides, and of devices on each.
         """
-        numbers = ("phase", "y", "v", "force", "peak", "yielded")
-        counts = ("segment", "impacts", "steps", "turned")
-        signs = ("exact", "bounced", "rests")
-        return cls(
-            cell=cell,
-            amplitude=amplitude,
-            omega=omega,
-            eta=eta,
-            side=np.ones(cell.size),
-            branch=np.zeros(shape, dtype=np.int64),
-            plastic=np.zeros(shape),
-            farthest=np.zeros(shape),
-            moments=np.zeros((4, cell.size)),
-            **{name: np.zeros(cell.size) for name in numbers},
-            **{name: np.zeros(cell.size, dtype=np.int64) for name in counts},
-            **{name: np.zeros(cell.size, dtype=bool) for name in signs},
+        none = np.zeros((*devices, cell.size))
+        return cls.at_rest(
+            cells,
+            cell,
+            np.ones(cell.size),
+            branch=none.astype(np.int64),
+            plastic=none,
+            farthest=none.copy(),
+            turned=np.zeros(cell.size, dtype=np.int64),
+            yielded=np.zeros(cell.size),
+            **{name: np.zeros(cell.size, bool) for name in _SIGNS},
         )
 
 

@@ -50,13 +50,12 @@ class TiedLines(WholeLines):
         """
         at = self.in_the_air(lanes)
         limits = self._limits(lanes, branch, top).take(at)
-        pull = self.devices.linear_terms(branch.row, branch.now)
 
         def law(some: OnLines) -> HeldBody:
             return self._held(some, branch.take(some.lane))
 
-        on_lines = self.on_lines(lanes, at, limits, tuple(x[at] for x in pull))
-        behind = self.over(on_lines, law)
+        pull = tuple(x[at] for x in self.devices.linear_terms(branch.row, branch.now))
+        behind = self.over(self.on_lines(lanes, at, limits, law, pull))
         at = behind.lane
         gone = lanes.take(at)
         held, ends = self._held(gone, branch.take(at)), (behind.y, behind.v)
@@ -73,7 +72,7 @@ class TiedLines(WholeLines):
         """The limits of lanes on a branch; top: as of `TiedLimits`."""
         row, now = branch.row, branch.now
         # A broken restraint is not stretched any more.
-        here = row % self.devices.sides, slice(None), np.arange(row.size)
+        here = self.devices.place(row)
         farthest, broken = lanes.farthest[here].T, lanes.branch[here].T == BROKEN
         stretched = np.where(broken, np.inf, self.devices.level(row, farthest))
         known = np.minimum(lanes.peak, stretched.min(axis=0))

@@ -40,7 +40,6 @@ import numpy as np
 from ...arrays import Array
 from ..batch import Batch
 from ..condition import rows, through_impact
-from ..contacts.contact import OneSided
 from ..drive import place
 from ..equations.straight_lines import weight_series
 from ..lanes import Cells
@@ -52,17 +51,12 @@ from .carried import carry_step, carry_through_break, keep_yield_error
 from .cuts import cut
 from .devices import Branch, Devices
 from .series import HeldBody, Law, Step, one_turn
-from .tied_lanes import CutStep, Found, OnBranch, TiedLanes
+from .tied_lanes import STILL, CutStep, Found, OnBranch, TiedLanes, touch_of
 from .tied_lines import LEAST_LINES, TiedLines
-from .transitions import Transitions
+from .transitions import keep_yield, leave, pass_end, stretch, unload
 
-# a speed below this counts as zero: it changes y by about as much, and a later uplift
-# by far less than rounding
-_STILL = 1e-20
 _TOGETHER = 8192  # lanes
 _DOUBTFUL = 1.0  # y beyond which the march tests whether a body can come back
-# largest |y| of a touch over the peak: this part of the tolerance of y, or rounding
-_TOUCH, _ROUNDING = 1e-2, 1e-13
 
 
 class TiedMarch:
@@ -75,15 +69,13 @@ class TiedMarch:
         self.cells, self.segments = batch.cells, batch.segments
         self.shaken, self.free_fall = batch.shaken, batch.free_fall
         self.devices = devices
-        self.one_sided = isinstance(self.contact, OneSided)
         # bits of `turned` to the second turn on a side, and all bits that it needs
         again = self.equation.damped and self.devices.body is not None
         self.again = 2 if again else 0
-        self.every = (1 if self.one_sided else 3) << self.again
+        self.every = (1 << devices.sides) - 1 << self.again
         of_lines = self.segments.straight and self.shaken >= LEAST_LINES
         self.law = Law(self.equation, self.devices, of_lines)
         self.lever_ends = self.devices.lever_ends()
-        self.transitions = Transitions(self.devices)
         self.bounces = Bounces(self.devices, self.contact, self.equation, self.segments)
         self.watch = None
         if self.devices.body is not None:
@@ -100,7 +92,7 @@ class TiedMarch:
         self.lines = None
         if of_lines and self.segments.weighed is None:
             self.lines = TiedLines(batch, self.devices, self.observers)
-        self.touch = max(_ROUNDING, _TOUCH * self.equation.tolerance)
+        self.touch = touch_of(self.equation.tolerance)
         self.most = batch.most_steps  # steps beyond which a lane fails
         self.held = self.devices.sides, len(self.devices.names)
         self.found = Found.empty((*self.held, batch.size))
@@ -124,17 +116,9 @@ class TiedMarch:
                 lanes = self._round(lanes, branch)
         return self.found
 
-    def _of(self, numbers: Array, row: Array) -> Array:
-        return numbers[row % self.devices.sides, :, np.arange(row.size)].T
-
     def _begin(self, cell: Array) -> TiedLanes:
         """Return new lanes for these cells, at their first uplift."""
-        shape = (*self.held, cell.size)
-        amplitude, omega, eta = (
-            np.broadcast_to(x, self.cells.omega.shape)[0, cell].copy()
-            for x in self.cells
-        )
-        lanes = TiedLanes.at_rest(cell, amplitude, omega, eta, shape)
+        lanes = TiedLanes.slack(self.cells, cell, self.held)
         return self._from_rest(lanes, np.arange(cell.size), first=True)
 
     def _from_rest(self, lanes: TiedLanes, at: Array, first: bool = False) -> TiedLanes:
@@ -160,15 +144,14 @@ class TiedMarch:
         k, u = place(self.segments, again.segment, again.phase)
         lanes.segment[at], lanes.phase[at], lanes.y[at], lanes.v[at] = k, u, 0.0, 0.0
         lanes.moments[:3, at] = 0.0
-        if not self.one_sided:
-            self.contact.turn(self.cells, lanes, at, again.side)
+        self.contact.turn(self.cells, lanes, at, again.side)
         # y'' is exactly 0 at an uplift, unless the drive jumps on the way to the next
         # segment.
         moved = (k != again.segment) & ~self.segments.joins[
             np.minimum(again.segment, len(self.segments) - 1)
         ]
         lanes.exact[at] = (again.force == 0.0) & ~moved
-        self.transitions.leave(lanes, at)
+        leave(self.devices, lanes, at)
         ended = k >= self.shaken
         lanes.rests[at] = False
         outcome = np.zeros(lanes.cell.size, dtype=np.int64)
@@ -191,9 +174,8 @@ class TiedMarch:
     def _branch(self, lanes: TiedLanes) -> OnBranch:
         """The branch of the devices of each lane."""
         row = self.devices.row(lanes.side, lanes.cell)
-        now = self.devices.branch(
-            row, self._of(lanes.branch, row), self._of(lanes.plastic, row)
-        )
+        here = self.devices.place(row)
+        now = self.devices.branch(row, lanes.branch[here].T, lanes.plastic[here].T)
         limit = np.minimum(
             self.equation.on(lanes.side, lanes.cell).limit, self.lever_ends[row]
         )
@@ -272,8 +254,8 @@ class TiedMarch:
         # A body that passes the limit of y has fallen; one that comes to 0 strikes.
         row, now, _, high, limit = branch
         fallen, hit = ended.up & (high >= limit), ended.down & (lanes.y <= 0.0)
-        self.transitions.stretch(
-            lanes, np.flatnonzero(ended.peaked | ended.up), row, ended.top
+        stretch(
+            self.devices, lanes, np.flatnonzero(ended.peaked | ended.up), row, ended.top
         )
         self._apply_peaks(lanes, row, now.yields, ended, still)
         self._pass_ends(lanes, np.flatnonzero(ended.up & ~fallen), row, now, 1.0)
@@ -297,7 +279,7 @@ class TiedMarch:
         outcome = self._without_ground(lanes, outcome)
         outcome = np.where(failed, Outcome.FAILED, outcome)
         if falls.any():
-            self.transitions.stretch(lanes, np.flatnonzero(falls), row, lanes.y)
+            stretch(self.devices, lanes, np.flatnonzero(falls), row, lanes.y)
         lanes = self._finish(lanes, np.flatnonzero(outcome), outcome)
         return self._from_rest(lanes, np.flatnonzero(lanes.rests))
 
@@ -321,7 +303,7 @@ class TiedMarch:
         lanes.turned[turned] |= here | (lanes.turned[turned] & here) << 2
         at = at[yields[at]]
         keep_yield_error(lanes, at)
-        self.transitions.unload(lanes, at, row)
+        unload(self.devices, lanes, at, row)
 
     def _pass_ends(
         self, lanes: TiedLanes, at: Array, row: Array, now: Branch, sign: float
@@ -332,7 +314,7 @@ class TiedMarch:
         if not at.size:
             return
         limits = now.high if sign > 0.0 else now.low
-        broken = self.transitions.pass_end(lanes, at, row, limits, sign)
+        broken = pass_end(self.devices, lanes, at, row, limits, sign)
         if broken.size:
             before, after = now.take(broken), self._branch(lanes).now.take(broken)
             carry_through_break(lanes, broken, self.devices, row[broken], before, after)
@@ -377,7 +359,7 @@ class TiedMarch:
             "bounced",
         ):
             getattr(lanes, name)[at] = getattr(struck, name)
-        self.transitions.leave(lanes, at)
+        leave(self.devices, lanes, at)
         left = lanes.take(at)
         lanes.moments[:3, at] = through_impact(
             rows(left.moments),
@@ -385,7 +367,7 @@ class TiedMarch:
             (left.v, self._acceleration(left)),
             omega / left.omega,
         )
-        stops = struck.v < _STILL
+        stops = struck.v < STILL
         # Bounces that end in rest (Lemma 7) and are proved to keep contact (Lemma 13).
         low = lanes.take(at)
         ends = self.bounces.end(low)
@@ -424,7 +406,7 @@ class TiedMarch:
             lost = lost | self.free_fall.occurs[cell]
         found.theta_ratio[cell] = np.where(known & ~lost, ratio, np.nan)
         found.outcome[cell[known & lost]] = Outcome.LOST_CONTACT
-        self.transitions.keep_yield(lanes, at, row)
+        keep_yield(self.devices, lanes, at, row)
         for name in ("branch", "plastic", "farthest"):
             getattr(found, name)[..., cell] = getattr(lanes, name)[..., at]
         return lanes.take(np.delete(np.arange(lanes.cell.size), at))

@@ -20,6 +20,7 @@ from rocking_cli import (
     sine,
 )
 from rocking_cli.dynamics.contacts.contact import OneSided, Symmetric, Unequal
+from rocking_cli.dynamics.contacts.sequences import sequence_ends, sequence_time
 from rocking_cli.motions import Piece
 from rocking_cli.structures.parameters import RockingParameters, Side
 
@@ -78,7 +79,7 @@ def test_sequence_time_is_the_sum_of_its_arcs(contact, force):
             0.6 * speed,
             -a if contact.alike else a,
         )
-    found = contact.sequence_time(sine().segments, body)
+    found = sequence_time(sine().segments, body, contact.other_side(body))
     assert found[0] == pytest.approx(total, rel=1e-13, abs=0)
 
 
@@ -217,10 +218,9 @@ def test_bounces_that_rise_above_the_peak_on_the_other_edge_are_not_summed():
         omega=3.0,
         peak=np.array([0.99, 5.0]) * height,
     )
-    assert alike((8.0, 0.1)).sequence_ends(push, body, LinearEquation()).tolist() == [
-        False,
-        True,
-    ]
+    there = alike((8.0, 0.1)).other_side(body)
+    ends = sequence_ends(push, body, LinearEquation(), there)
+    assert ends.tolist() == [False, True]
 
 
 def test_rectangular_push_overturns_each_edge_at_its_own_closed_form():

@@ -18,7 +18,7 @@ def test_a_step_keeps_the_tolerance_and_does_not_waste_it(tolerance):
     terms = np.array(
         [1.0 / math.factorial(n) for n in range(taylor.order_for(tolerance) + 1)]
     )
-    h = float(taylor.series(terms[:, None], np.ones(1), tolerance).longest[0])
+    h = float(taylor.longest(terms[:, None], np.ones(1), tolerance)[0])
     missing, longer = (
         math.exp(x) - np.polynomial.polynomial.polyval(x, terms[:-1])
         for x in (h, 3.0 * h)

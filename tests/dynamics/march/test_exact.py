@@ -7,8 +7,8 @@ import pytest
 from support.bodies import OnSeries
 
 from rocking_cli import LinearEquation, System, cosine, pulse, response, sine
-from rocking_cli.dynamics.equations.equation import Instant
 from rocking_cli.dynamics.equations.linear_flow import LinearFlow
+from rocking_cli.dynamics.equations.taylor import Instant
 from rocking_cli.dynamics.lanes import Lanes
 from rocking_cli.dynamics.march.exact import exact_step, impact_guess, peak_guess, root
 

@@ -197,12 +197,8 @@ def test_stiff_cells_equal_the_slower_path(
 @pytest.mark.slow
 def test_a_hundred_thousand_impacts_end_in_an_outcome(monkeypatch):
     """Without loss a body just above uplift never stops bouncing: the cell is given up
-    as failed at once where it needs far more steps than the march follows, else after a
-    bounded number of them.
+    as failed after a bounded number of steps.
     """
-    found = linear_response(sine(), 1 + 1e-6, 1.0, 1.0)
-    assert found.outcome == Outcome.FAILED
-    assert int(found.impacts_at_least) < 100
     monkeypatch.setattr(batch, "MAX_STEPS", 300)
     found = linear_response(sine(), 1 + 2e-3, 1.0, 1.0)
     assert found.outcome == Outcome.FAILED
