@@ -270,7 +270,7 @@ def _found(value: Any) -> str:
     kind = type(value).__name__
     if isinstance(value, list | tuple):
         kinds = dict.fromkeys(type(one).__name__ for one in value)
-        return f"a {kind} of {', '.join(kinds) or 'nothing'}"
+        return f"a {kind} of {', '.join(kinds)}" if kinds else f"an empty {kind}"
     return f"a {kind}"
 
 

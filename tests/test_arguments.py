@@ -200,7 +200,7 @@ SENTENCES = [
     ),
     (
         lambda: rocking_cli.export_fragility([], "f.xml"),
-        "`curves`: found a list of nothing",
+        "`curves`: found an empty list",
     ),
     (
         lambda: rocking_cli.HazardCurve("a", [1.0, 0.1]),
@@ -224,7 +224,7 @@ SENTENCES = [
     ),
     (
         lambda: rocking_cli.merge(iter([]), "m.h5"),
-        "merge: `paths`: found a list of nothing",
+        "merge: `paths`: found an empty list",
     ),
     (
         lambda: rocking_cli.Grid(1.0, 2.0),

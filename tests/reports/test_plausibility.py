@@ -94,6 +94,6 @@ def test_commands_say_it_once_and_go_on(rocking):
         "block:500x2000:",
     ]
     said = rocking("params", *["block:500x2000"] * 5).stderr.splitlines()
-    assert sum("height: 2000 without a unit is 2000 m" in line for line in said) == 3
+    assert sum("width: 500 without a unit is 500 m" in line for line in said) == 3
     assert "and 2 more such remarks" in said
     assert rocking("params", "block:500x2000", "-q").stderr == ""

@@ -204,17 +204,14 @@ def test_quantiles_lie_between_the_order_statistics():
 def test_its_figure_draws_the_median_and_the_band_of_each_angle():
     def row(alpha, p, *ratios):
         return {
-            "alpha": str(alpha),
-            "p": str(p),
-            **{
-                f"pga_ratio_{q}": str(x)
-                for q, x in zip((16, 50, 84), ratios, strict=True)
-            },
+            "alpha": alpha,
+            "p": p,
+            **{f"pga_ratio_{q}": x for q, x in zip((16, 50, 84), ratios, strict=True)},
         }
 
     rows = [
         row(0.1, 1, 2, 3, 4),
-        row(0.1, 2, 1, 2, ""),
+        row(0.1, 2, 1, 2, None),
         row(0.2, 1, 3, 4, 5),
         row(0.2, 2, 2, 3, 4),
     ]
