@@ -12,7 +12,7 @@ from ..errors import DocumentError
 from .composition import DEEPEST, MOST_VALUES, Place, Value, unspaced
 from .document import Document
 from .quantities import with_a_point
-from .table import ITEM, Cell, Faulty, rows_of_structures, text_of_row
+from .table import ITEM, Cell, Faulty, rows_of_structures
 from .texts import Text, text_at, text_of
 
 if TYPE_CHECKING:
@@ -102,7 +102,6 @@ def _of_rows(
                 raise
             faulty(fault)
             continue
-        document.cells = tuple(cells)
         yield document
 
 
@@ -121,7 +120,7 @@ def document_of(cells: Sequence[Cell], source: str, index: int = 0) -> Document:
             _add_to_list(whole, cell, name, int(number), part, value)
         else:
             values[cell.key], keys[cell.key] = value, cell.place
-    return Document(source, cells[0].place, values, keys, index, text_of_row(cells))
+    return Document(source, cells[0].place, values, keys, index, cells=cells)
 
 
 def _value_of(cell: Cell) -> Value:
