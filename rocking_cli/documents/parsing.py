@@ -13,7 +13,7 @@ from .composition import DEEPEST, MOST_VALUES, Place, Value, unspaced
 from .document import Document
 from .quantities import with_a_point
 from .table import ITEM, Cell, Faulty, rows_of_structures
-from .texts import Text, text_at, text_of
+from .texts import Text, text_at
 
 if TYPE_CHECKING:
     import yaml
@@ -25,11 +25,6 @@ def documents_in(path: str | Path, faulty: Faulty | None = None) -> Iterator[Doc
     DocumentError.
     """
     return each_document(text_at(path), faulty)
-
-
-def documents_of(source: str, raw: bytes) -> list[Document]:
-    """Return all documents in the bytes of a file. Raises DocumentError."""
-    return parse_documents(text_of(source, raw), source)
 
 
 def parse_documents(text: str, source: str = "<text>") -> list[Document]:
