@@ -63,7 +63,7 @@ _SEARCHED = 0.95  # of a verdict whose search is long: about its share
 _LAST = 0.01  # of a verdict, which counts when it has come from its process
 _TOGETHER = 12  # demands that share a scan, at most
 _MANY = 20  # demands from which on they are marched together, not one by one
-_BLOCK = 512  # of many demands, that are marched together
+_BLOCK = 2048  # of many demands, that are marched together
 _WORTH = 3  # demands under pulses for each process that is started, at least
 
 
