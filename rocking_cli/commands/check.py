@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import chain
 from pathlib import Path
@@ -231,7 +231,7 @@ def _draw_falls(of_draws: DrawnRows, demands: Demands) -> bool:
     return of_draws.falls or (not both and of_draws.fall_opposite(demands.rows))
 
 
-def _slid_too_far(judged: list[Verdict], most: float | None) -> bool:
+def _slid_too_far(judged: Sequence[Verdict], most: float | None) -> bool:
     """Return True if a body slides further than a length [m], or if its sliding is not
     followed.
     """
@@ -252,11 +252,12 @@ def _judge_and_print(
     of_draws: DrawnRows,
     kept: list[dict[str, Any]],
     known: list[str],
-) -> list[Verdict]:
+) -> Sequence[Verdict]:
     """Print a row for each demand and return the verdicts: JSON, CSV and long tables as
     soon as each is known, a table when all are; kept: gets the rows of a figure; known:
     the columns that a call may have.
     """
+    from ..packed import Packed
     from ..responses.check import verdicts
     from ..responses.verdict import CHECK_COLUMNS
     from .check_rows import ASKED, later_columns, row_of, unseen_columns
@@ -278,7 +279,7 @@ def _judge_and_print(
         from ..reports.wording import capacity_left
 
         found = sorted(found, key=lambda one: capacity_left(one[0]))
-    judged: list[Verdict] = []
+    judged: Packed[Verdict] = Packed()
     searched = wanted.limit is not None
 
     later = later_columns(demands, searched)
@@ -322,7 +323,7 @@ def _forces_wanted(rows: int) -> bool:
 
 
 def _lines(
-    judged: list[Verdict],
+    judged: Sequence[Verdict],
     demands: Demands,
     by_code: CodeRows | None,
     opposite: list[tuple[str, Outcome]],
@@ -343,7 +344,7 @@ def _lines(
 
 
 def _search_remarks(
-    judged: list[Verdict], demands: Demands, wanted: CheckOptions
+    judged: Sequence[Verdict], demands: Demands, wanted: CheckOptions
 ) -> None:
     """Print what is to be said of the search, and what worn edges would take."""
     from ..reports.device_words import devices_in_words

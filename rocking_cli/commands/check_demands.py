@@ -5,12 +5,13 @@ azimuth or frequency where the call states a range of them.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 import click
 
+from ..packed import Packed, Streamed
 from . import options
 from .command import refuse
 from .demand import Directed
@@ -29,11 +30,29 @@ if TYPE_CHECKING:
     from .code_rows import CodeRows
 
 # structures, and the columns of the varied values of each
-Members = tuple[list["RockingParameters"], dict[str, dict[str, float]]]
+Members = tuple[Sequence["RockingParameters"], dict[str, dict[str, float]]]
 # rows from which on friction_needed and fz_min are computed only if they are asked for
 LONG_TABLE = 1000
 _LONG = 50_000  # samples of a record whose search is called long
 _SEARCH = 5e-4  # s that the search for a capacity takes for each sample, about
+
+
+class Rows(Streamed["Demand"]):
+    """Each structure under each motion, one motion after the other."""
+
+    def __init__(
+        self,
+        *parts: tuple[Sequence[tuple[Motion, Grid]], Sequence[RockingParameters]],
+    ) -> None:
+        self.parts = parts
+
+    def __len__(self) -> int:
+        return sum(len(shakes) * len(bodies) for shakes, bodies in self.parts)
+
+    def __iter__(self) -> Iterator[Demand]:
+        for shakes, bodies in self.parts:
+            for shake in shakes:
+                yield from ((body, *shake) for body in bodies)
 
 
 @dataclass
@@ -43,13 +62,13 @@ class Demands:
     asked: Directed  # the options of the motion
     sign: str  # "+", "-" or "both"
     shaken: Ground  # the motions, in the direction of --sign
-    structures: list[RockingParameters]  # in the order of the document
+    structures: Sequence[RockingParameters]  # in the order of the document
     # columns of the varied values of each structure
     varied: dict[str, dict[str, float]]
     azimuths: Any  # [rad], an array; None without --azimuth
     up_to: Grid | None  # the demand at the other end of a range of frequencies
     shakes: list[tuple[Motion, Grid]]  # motions and demands, as they are told
-    rows: list[Demand] = field(default_factory=list)  # the demand of each row
+    rows: Sequence[Demand] = ()  # the demand of each row
     # of each structure, with a range
     ranges: dict[str, OfRange] = field(default_factory=dict)
     worst: dict[str, WorstFrequency] = field(default_factory=dict)
@@ -114,16 +133,11 @@ def demands_on(
     found = Demands(
         asked, sign, shaken, structures, varied, asked.azimuths(), up_to, shaken.shakes
     )
-    found.rows = [
-        (structure, *shake) for shake in shaken.shakes for structure in structures
-    ]
+    parts = [(shaken.shakes, structures)]
     if sign == "both" and not ends:
-        sided = [structure for structure in structures if has_direction(structure)]
-        found.rows += [
-            (structure, *shake)
-            for shake in shaken.reversed.shakes
-            for structure in sided
-        ]
+        sided = Packed(filter(has_direction, structures))
+        parts.append((shaken.reversed.shakes, sided))
+    found.rows = Rows(*parts)
     if any(s.building for s in structures):
         for r in shaken.recordings:
             note(*ends_abruptly(r.label, r.record.acceleration))
@@ -279,7 +293,7 @@ def _reversed(
 
 
 def _worst(
-    structures: list[RockingParameters],
+    structures: Sequence[RockingParameters],
     motion: Motion,
     low: Grid,
     high: Grid,

@@ -27,7 +27,7 @@ def listed(names: list[str], most: int = _LISTED) -> str:
     return f"{', '.join(names[:most])}{more}"
 
 
-def remarks(verdicts: list[Verdict], *, of_means: bool = False) -> list[str]:
+def remarks(verdicts: Sequence[Verdict], *, of_means: bool = False) -> list[str]:
     """Return the lines on which structures overturn, and what to note on the others;
     of_means: True if lines on draws stand before them.
     """
@@ -51,9 +51,13 @@ def remarks(verdicts: list[Verdict], *, of_means: bool = False) -> list[str]:
         lines.append(
             f"{means}{len(overturned)} of {len(verdicts)} overturn{names}{lose}"
         )
-    for words, holds in _conditions():
-        if names_of := named(filter(holds, verdicts)):
-            lines.append(f"{words}: {listed(names_of)}")
+    conditions = _conditions()
+    told: dict[str, list[str]] = {words: [] for words, _ in conditions}
+    for v in verdicts:
+        for words, holds in conditions:
+            if holds(v):
+                told[words] += named([v])
+    lines += [f"{words}: {listed(names)}" for words, names in told.items() if names]
     lines += sliding_remarks(verdicts, named)
     for v in verdicts:
         if any(device["state"] != "elastic" for device in v.devices):
@@ -121,7 +125,7 @@ def _conditions() -> list[tuple[str, Callable[[Verdict], Any]]]:
 
 
 def sliding_remarks(
-    verdicts: list[Verdict], named: Callable[[Iterable[Verdict]], list[str]]
+    verdicts: Sequence[Verdict], named: Callable[[Iterable[Verdict]], list[str]]
 ) -> list[str]:
     """Return a line for each of a few bodies that slide and never rock, one for many,
     and one for each way in which bodies slide while they rock.

@@ -29,7 +29,7 @@ def is_table(output: Path | None) -> bool:
         refuse(
             "does not go with -o FILE.h5, which holds one verdict for each structure"
             " and motion",
-            *("draws", "code", "vary", "sort", "inset_effect", "azimuth"),
+            *("draws", "code", "sort", "inset_effect", "azimuth"),
             *("columns", "where", "style"),
         )
         return True

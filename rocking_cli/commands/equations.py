@@ -151,7 +151,9 @@ class Equations(Models):
             else super().models
         )
 
-    def lifting(self, structures: list[RockingParameters]) -> list[RockingParameters]:
+    def lifting(
+        self, structures: Sequence[RockingParameters]
+    ) -> list[RockingParameters]:
         """Return the structures with the requested uplift. Raises click.UsageError."""
         if self.linear_uplift == "lambda" and not structures:
             raise click.UsageError(

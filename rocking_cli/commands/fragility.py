@@ -40,7 +40,7 @@ _WHICH_RATE = (
 class _Request:
     """What a call asks of structures under a set of motions."""
 
-    structures: list[RockingParameters]
+    structures: Sequence[RockingParameters]
     motions: MotionSet  # the motions, their measure, the levels and the equation
     states: list[float | None]  # limit states |theta|/alpha [-], None for overturning
     methods: list[str]  # of the fits

@@ -256,12 +256,12 @@ def structures_of(
     etas: tuple[float | None, ...] = (),
     each: bool = False,
     with_documents: int | None = None,
-) -> list[RockingParameters]:
+) -> Sequence[RockingParameters]:
     """Return the structures of the documents in these files, and a dimensionless
     oscillator for each restitution; each: a stack is a structure for each of its
     interfaces, see `on_each_interface`; with_documents: number of structures that keep
     their documents, None for all; to save memory the others keep one only if it has a
-    spread.
+    spread, and the structures are `Packed`.
     """
     from ..structures import build_structure
     from ..structures.parameters import dimensionless_oscillator
@@ -273,19 +273,26 @@ def structures_of(
         held = with_documents is None or next(numbers) < with_documents
         return built if held or built.drawn_from else replace(built, document=None)
 
-    documents = iter([]) if etas and not files else each_document(files)
-    structures = list(sound(structure_of, _on_each(documents) if each else documents))
     if None in etas:
         raise click.UsageError("--eta block goes with --alpha")
+    documents = iter([]) if etas and not files else each_document(files)
+    structures = sound(structure_of, _on_each(documents) if each else documents)
     oscillators = [dimensionless_oscillator(eta=eta) for eta in etas if eta is not None]
-    return _told([*structures, *oscillators])
+    every = itertools.chain(structures, oscillators)
+    return _told(every, packed=with_documents is not None)
 
 
-def _told(structures: Iterable[RockingParameters]) -> list[RockingParameters]:
-    """Return structures with distinct names, and print what is to be said of them."""
+def _told(
+    structures: Iterable[RockingParameters], packed: bool = False
+) -> Sequence[RockingParameters]:
+    """Return structures with distinct names, and print what is to be said of them;
+    packed: True for `Packed` ones.
+    """
+    from ..packed import Packed
     from ..structures import with_distinct_names
 
-    found = list(introduced(with_distinct_names(structures)))
+    named = introduced(with_distinct_names(structures))
+    found = Packed(named) if packed else list(named)
     if names := [s.name for s in found if "interfaces" in s.details]:
         note(f"followed on one interface, as if no other opened: {', '.join(names)}")
     return found
@@ -296,7 +303,7 @@ def members_of(
     vary: tuple[str, ...],
     etas: tuple[float | None, ...] = (),
     each: bool = False,
-) -> tuple[list[RockingParameters], dict[str, dict[str, float]]]:
+) -> tuple[Sequence[RockingParameters], dict[str, dict[str, float]]]:
     """Return (structures, columns): those of `structures_of`, or of the families of
     --vary, and for each name the varied values in SI as columns such as `varied_width`;
     each: see `structures_of`. Members without a solution are reported and left out.

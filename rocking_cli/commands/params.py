@@ -25,7 +25,6 @@ if TYPE_CHECKING:
     from ..documents.document import Document
     from ..structures.family import Variation
 
-_HELD = 1 << 22  # bytes of rows that wait in memory
 # columns of a table without --details; the last two are those of a held wall
 SHOWN = (
     *("name", "p", "alpha", "eta", "lambda", "a_scale"),
@@ -188,30 +187,21 @@ def _family_rows(
 
 def _print(rows: Iterable[dict[str, Any]], sort: str | None) -> None:
     """Print rows when all are known: a fault of the last document comes before the
-    first row, and the header of a CSV has the columns of all rows. They wait in blocks
-    in a temporary file.
+    first row, and the header of a CSV has the columns of all rows.
     """
-    import pickle
-    from tempfile import SpooledTemporaryFile
+    from ..packed import Packed
 
+    waiting = Packed[dict[str, Any]]()
     columns: dict[str, None] = {}
-    with SpooledTemporaryFile(max_size=_HELD) as waiting:
-        for row in rows:
-            known = _flat(row) if form() == "csv" else row
-            columns |= dict.fromkeys(known)
-            pickle.dump(known, waiting)
-        count = waiting.tell()
-        waiting.seek(0)
-
-        def again() -> Iterator[dict[str, Any]]:
-            while waiting.tell() < count:
-                yield pickle.load(waiting)
-
-        if form() == "csv":
-            columns.pop("labels", None)
-            emit((columns | row for row in again()), sort=sort)
-        else:
-            emit(again(), sort=sort)
+    for row in rows:
+        known = _flat(row) if form() == "csv" else row
+        columns |= dict.fromkeys(known)
+        waiting.append(known)
+    if form() == "csv":
+        columns.pop("labels", None)
+        emit((columns | row for row in waiting), sort=sort)
+    else:
+        emit(waiting, sort=sort)
 
 
 def _flat(row: dict[str, Any]) -> dict[str, Any]:

@@ -7,7 +7,6 @@ by which `1e-3` is a string, `010` is eight, `no` is a boolean and `1:30` is nin
 
 from __future__ import annotations
 
-import json
 import re
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, field, replace
@@ -27,7 +26,7 @@ from .quantities import (
     si_unit,
 )
 from .spreads import MOST_CUT, Spread, has_no_unit, is_spread, parse_spread
-from .table import ITEM, Cell, split_heading, text_of_row
+from .table import ITEM, LABELS, Cell, split_heading, text_of_row
 
 # words of this field that a column may have for a key, and the key
 MEANT = {
@@ -48,7 +47,6 @@ _CENTRES = (
     *(axis + end for axis in "xyz" for end in ("g", "cg")),
 )
 _NUMBER, _LENGTH = Key("number"), length()
-LABELS = "labels"  # the key of texts that the computation does not use
 
 
 @dataclass(frozen=True)
@@ -87,7 +85,7 @@ class Document:
     values: dict[str, Value]  # by key
     keys: dict[str, Place]  # the place of each key
     index: int = 0  # its number in the file
-    text: str = ""  # as the file has it
+    written: str = ""  # its text in the file; that of a row is made of its cells
     asked: set[str] = field(default_factory=set)  # keys that were read
     # the documents in the lists of this one
     inner: list[Document] = field(default_factory=list)
@@ -97,10 +95,20 @@ class Document:
     uncertain: dict[str, Uncertain] = field(default_factory=dict)
     # the document around this one, and the path there
     within: tuple[Document, str] | None = None
-    cells: tuple[Cell, ...] = ()  # of a row of a table, whose other columns are labels
+    cells: Sequence[Cell] = ()  # of a row of a table, whose other columns are labels
+    label_columns: Collection[str] = ()  # those of these cells that are labels
     table: dict[str, Key] = field(default_factory=dict)  # the declared keys
     # a remark on the first unusual value of each dimension
     doubts: dict[str, str] = field(default_factory=dict)
+    # the keys with a value that is not null
+    stated: set[str] = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        self.stated = {
+            key
+            for key, value in self.values.items()
+            if value.word() not in ("", "~", "null")
+        }
 
     def __repr__(self) -> str:
         number = f", document {self.index + 1}" * (self.index > 0)
@@ -109,6 +117,11 @@ class Document:
     def __getstate__(self) -> dict[str, Any]:
         """Pickle without the table of keys, which reading the document sets again."""
         return vars(self) | {"table": {}}
+
+    @property
+    def text(self) -> str:
+        """The document as a text: as the file has it, or of the cells of a row."""
+        return self.written or text_of_row(self.cells, self.label_columns)
 
     def has(self, key: str) -> bool:
         """True if the key has a value that is not null.
@@ -123,14 +136,7 @@ class Document:
         bool
         """
         self.asked.add(key)
-        return self._stated(key)
-
-    def _stated(self, key: str) -> bool:
-        """True if the key has a value; it does not count as asked for."""
-        value = self.values.get(key)
-        return value is not None and (
-            value.quoted or value.word() not in ("", "~", "null")
-        )
+        return key in self.stated
 
     def fault(self, key: str | None, found: str, wanted: str) -> DocumentError:
         """Return the error for the value of a key.
@@ -206,11 +212,10 @@ class Document:
         """
         self.table = keys.all
         self._refuse([key for key in self.keys if key not in keys.all], elsewhere)
-        stated = set(filter(self._stated, self.keys))
         for group, ways in enumerate(keys.ways):
-            if keys.way(stated, group) >= 0:
+            if keys.way(self.stated, group) >= 0:
                 continue
-            given = [key for key in keys.all if key in stated]
+            given = [key for key in keys.all if key in self.stated]
             pairs = (x for x in combinations(given, 2) if keys.way(x, group) < 0)
             one, other = next(pairs, (given[0], given[-1]))
             wanted = ", or ".join(both(way.required) for way in ways)
@@ -254,22 +259,22 @@ class Document:
             if told.default is None:
                 raise self.missing(key, accepted(dimension))
             return float(told.default)
-        value = self.values[key]
-        wanted = told.range() if told.words else accepted(dimension)
-        if not isinstance(value.content, str):
+        value, spread = self.values[key], None
+        text = value.content
+        if not isinstance(text, str):
+            wanted = told.range() if told.words else accepted(dimension)
             raise self.fault(key, str(value), wanted)
-        spread = None
         try:
-            if is_spread(value.content):
-                spread = parse_spread(value.content, dimension)
-            number = spread.mean if spread else parse_quantity(value.content, dimension)
+            if is_spread(text):
+                spread = parse_spread(text, dimension)
+            number = spread.mean if spread else parse_quantity(text, dimension)
         except ArgumentError as error:
-            said = is_spread(value.content) or not told.words
-            hinted = wanted + as_meant(value.content, dimension)
-            raise self.fault(key, str(value), str(error) if said else hinted) from None
+            said = is_spread(text) or not told.words
+            wanted = str(error) if said else told.range() + as_meant(text, dimension)
+            raise self.fault(key, str(value), wanted) from None
         ends = (spread.first, spread.second) if spread and spread.bounded else (number,)
         if not all(map(told.holds, ends)):
-            bare = dimension == "angle" and is_bare(value.content)
+            bare = dimension == "angle" and is_bare(text)
             hint = " (a bare number is in rad)" if bare else ""
             raise self.fault(key, str(value), told.range() + hint)
         if spread and not spread.certain:
@@ -647,12 +652,12 @@ class Document:
         for part in self.inner:
             part.finish()
         unread = [key for key in self.keys if key not in self.asked]
-        for key in filter(self._stated, self.table.keys() & unread):
-            of = f" of kind {self.values['kind']}" if "kind" in self.values else ""
-            found = f"{key}{of}, which does not go with the other keys"
-            raise self.fault(key, found, f"no {key}")
-        unread = [key for key in unread if key not in self.table]
-        self._refuse(unread, elsewhere)
+        for key in unread:
+            if key in self.table and key in self.stated:
+                of = f" of kind {self.values['kind']}" if "kind" in self.values else ""
+                found = f"{key}{of}, which does not go with the other keys"
+                raise self.fault(key, found, f"no {key}")
+        self._refuse([key for key in unread if key not in self.table], elsewhere)
         # the other names, which only a fault tells, are more than the document itself
         self.asked &= self.keys.keys()
 
@@ -709,22 +714,19 @@ class Document:
         """Move the columns of these keys to the key `labels`, with their texts as they
         are written.
         """
-        kept, labels = [], {}
-        for cell in self.cells:
-            if cell.key in keys or (
-                (item := ITEM.fullmatch(cell.key)) and item[1] in keys
-            ):
-                labels[cell.key] = Value(cell.written, cell.place, quoted=True)
-            else:
-                kept.append(cell)
+        labels = {
+            cell.key: Value(cell.written, cell.place, quoted=True)
+            for cell in self.cells
+            if cell.key in keys
+            or ((item := ITEM.fullmatch(cell.key)) and item[1] in keys)
+        }
         self.values = {
             key: value for key, value in self.values.items() if key not in keys
         }
         self.keys = {key: place for key, place in self.keys.items() if key not in keys}
         self.values[LABELS], self.keys[LABELS] = Value(labels, self.place), self.place
-        texts = {name: label.content for name, label in labels.items()}
-        self.cells = ()
-        self.text = f"{text_of_row(kept)}\n{LABELS}: {json.dumps(texts)}"
+        self.label_columns = tuple(labels)
+        self.stated = self.stated.difference(keys) | {LABELS}
 
     def value_at(self, key: str) -> Value | None:
         """Return the value of a key or at a path.

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Any, NamedTuple
 
 from .quantities import FACTORS, SMALLEST_LENGTH, UNITS, accepted, si_unit
@@ -59,7 +59,7 @@ _RANGES = {
 }
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Key:
     """One key of a document, or of a mapping inside it."""
 
@@ -98,7 +98,7 @@ class Key:
     def narrowed(self, **limits: Any) -> Key:
         """Return the key with those of these fields that are not None."""
         given = {name: x for name, x in limits.items() if x is not None}
-        return replace(self, **given) if given else self
+        return _narrowed(self, **given) if given else self
 
     def holds(self, number: float) -> bool:
         """True if a value [SI] is within the limits."""
@@ -139,6 +139,11 @@ class Key:
         )
         words = _RANGES[ends].format(least if len(ends) < 2 else least.split()[0], most)
         return f"{article} {self.form} {words}"
+
+
+@lru_cache  # every row of a table asks for those of its columns
+def _narrowed(key: Key, **limits: Any) -> Key:
+    return replace(key, **limits)
 
 
 @dataclass(frozen=True, eq=False)

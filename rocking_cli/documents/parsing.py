@@ -12,8 +12,8 @@ from ..errors import DocumentError
 from .composition import DEEPEST, MOST_VALUES, Place, Value, unspaced
 from .document import Document
 from .quantities import with_a_point
-from .table import ITEM, Cell, Faulty, rows_of_structures, text_of_row
-from .texts import Text, text_at, text_of
+from .table import ITEM, Cell, Faulty, rows_of_structures
+from .texts import Text, text_at
 
 if TYPE_CHECKING:
     import yaml
@@ -25,11 +25,6 @@ def documents_in(path: str | Path, faulty: Faulty | None = None) -> Iterator[Doc
     DocumentError.
     """
     return each_document(text_at(path), faulty)
-
-
-def documents_of(source: str, raw: bytes) -> list[Document]:
-    """Return all documents in the bytes of a file. Raises DocumentError."""
-    return parse_documents(text_of(source, raw), source)
 
 
 def parse_documents(text: str, source: str = "<text>") -> list[Document]:
@@ -102,7 +97,6 @@ def _of_rows(
                 raise
             faulty(fault)
             continue
-        document.cells = tuple(cells)
         yield document
 
 
@@ -121,7 +115,7 @@ def document_of(cells: Sequence[Cell], source: str, index: int = 0) -> Document:
             _add_to_list(whole, cell, name, int(number), part, value)
         else:
             values[cell.key], keys[cell.key] = value, cell.place
-    return Document(source, cells[0].place, values, keys, index, text_of_row(cells))
+    return Document(source, cells[0].place, values, keys, index, cells=cells)
 
 
 def _value_of(cell: Cell) -> Value:

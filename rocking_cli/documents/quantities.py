@@ -5,6 +5,7 @@ is in SI units.
 import math
 import re
 from collections.abc import Iterable
+from functools import lru_cache
 
 from ..errors import ArgumentError, RockingError, UsageError
 
@@ -84,6 +85,7 @@ _DASHED = re.compile(rf"({_NUMBER}[^-]*)-({_NUMBER}[^-]*)")  # 0.1g-1g
 _QUANTITY = re.compile(rf"\s*({_NUMBER})(.*)", re.DOTALL)
 
 
+@lru_cache  # a text is split again for its unit
 def split_quantity(text: str) -> tuple[float, str] | None:
     """Split a quantity into (number, unit text); None if the text does not begin with a
     decimal number.

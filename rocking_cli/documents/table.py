@@ -13,7 +13,7 @@ that begins with a bracket is a YAML list, an empty cell means no key.
 import csv
 import json
 import re
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import islice, pairwise
 from pathlib import Path
@@ -26,6 +26,7 @@ from .spreads import has_no_unit, in_unit, is_spread
 from .texts import Text, text_at
 
 KIND = "kind"  # only a table of structures has this column
+LABELS = "labels"  # the key of texts that the computation does not use
 BLANKS = (  # the separator of columns that have blanks between them, any number of them
     " "
 )
@@ -396,12 +397,17 @@ def _require_the_heading_first(text: str, start: int, source: str) -> None:
             )
 
 
-def text_of_row(cells: Sequence[Cell]) -> str:
-    """Return a row of a table of structures as the text of a document."""
-    return "\n".join(
+def text_of_row(cells: Iterable[Cell], labels: Collection[str]) -> str:
+    """Return a row of a table of structures as the text of a document; labels: the
+    columns of its labels.
+    """
+    lines = [
         f"{cell.key}: {json.dumps(cell.text) if cell.key == 'name' else cell.text}"
         for cell in cells
-    )
+        if cell.key not in labels
+    ]
+    texts = {cell.key: cell.written for cell in cells if cell.key in labels}
+    return "\n".join([*lines, *[f"{LABELS}: {json.dumps(texts)}"] * bool(texts)])
 
 
 def _names(line: str, separator: str) -> list[str]:

@@ -1,6 +1,6 @@
 """Demands on structures that stand on the floor of a building."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -36,12 +36,14 @@ def moved_by_floor(
 
 
 def on_floors(
-    demands: Iterable[tuple[RockingParameters, Motion, Grid]],
-) -> list[tuple[RockingParameters, Motion, Grid]]:
+    demands: Sequence[tuple[RockingParameters, Motion, Grid]],
+) -> Sequence[tuple[RockingParameters, Motion, Grid]]:
     """Return demands (structure, motion, shaking) with each structure that stands in a
     building under the motion of its floor; the motion of a floor stays as it is. Raises
     UsageError as `moved_by_floor`.
     """
+    if not any(structure.building for structure, _, _ in demands):
+        return demands
     # of each motion, demand and building; structures in one building share its motion
     known: dict[tuple[Any, ...], tuple[Motion, Grid]] = {}
     found = []

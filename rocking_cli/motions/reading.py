@@ -13,8 +13,9 @@ from pathlib import Path
 from typing import Any, BinaryIO, TypeVar, Unpack, cast
 
 from ..documents.files import STDIN, read_bytes
-from ..documents.parsing import documents_of
+from ..documents.parsing import parse_documents
 from ..documents.quantities import quantity_at
+from ..documents.texts import text_of
 from ..errors import (
     DocumentError,
     NoAcceleration,
@@ -317,7 +318,8 @@ def _of_document(source: str, raw: bytes, given: MotionChoices) -> Motion:
     DocumentError, and UsageError for choices that only a record has.
     """
     try:
-        documents = documents_of(source, unpacked(source, raw))
+        text = text_of(source, unpacked(source, raw))
+        documents = parse_documents(text, source)
     except DocumentError as error:
         raise DocumentError(f"{error}, or a record of a known format") from None
     motion, scale = motion_of(documents), given.get("scale")

@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
-from itertools import chain
+from itertools import chain, islice
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
 import numpy as np
@@ -63,7 +63,7 @@ _SEARCHED = 0.95  # of a verdict whose search is long: about its share
 _LAST = 0.01  # of a verdict, which counts when it has come from its process
 _TOGETHER = 12  # demands that share a scan, at most
 _MANY = 20  # demands from which on they are marched together, not one by one
-_BLOCK = 512  # of many demands, that are marched together
+_BLOCK = 2048  # of many demands, that are marched together
 _WORTH = 3  # demands under pulses for each process that is started, at least
 
 
@@ -341,7 +341,10 @@ def verdicts(
     and OutputError when a worker process dies.
     """
     judge = partial(_judged, forces=forces)
-    of_ranges = [(ranges or {}).get(structure.name) for structure, _, _ in demands]
+    if not ranges:
+        yield from _dealt(judge, demands, a_max, workers, progress)
+        return
+    of_ranges = [ranges.get(structure.name) for structure, _, _ in demands]
     further = [one.largest for one in of_ranges if one and one.largest]
     largest = iter(list(_dealt(judge, further, None, workers, None)))
     found = _dealt(judge, demands, a_max, workers, progress)
@@ -416,7 +419,7 @@ def _dealt(
 
 def _groups(
     demands: Sequence[Demand], searched: bool, workers: int | None
-) -> tuple[int, list[Sequence[Demand]]]:
+) -> tuple[int, Iterator[Sequence[Demand]]]:
     """Return (the number of processes, the demands that each judges at a time): the
     searches of a group share their scans, and all groups have one size.
     """
@@ -429,7 +432,8 @@ def _groups(
     rounds = math.ceil(len(demands) / (several * most))
     size = max(1, math.ceil(len(demands) / (several * max(1, rounds))))
     size = min(size, most)
-    return several, [demands[i : i + size] for i in range(0, len(demands), size)]
+    each = iter(demands)
+    return several, iter(lambda: list(islice(each, size)), [])
 
 
 def _no_progress(done: float, total: int) -> None:

@@ -505,7 +505,7 @@ class _BoundarySearch:
         ]
         if self.up_to is not None:
             demands = self._at_worst(value, demands)
-        return on_floors(demands)
+        return list(on_floors(demands))
 
     def _members(self, value: float) -> list[Member]:
         """Return the structures of a value of the key, of a stack each interface."""

@@ -225,7 +225,7 @@ def _alone(document: Document, index: int) -> Document:
             for key, value in document.values.items()
         }
     )
-    return replace(document, text=text, index=index, within=None)
+    return replace(document, written=text, index=index, within=None)
 
 
 def load_structures(

@@ -53,9 +53,11 @@ def inline_document(text: str) -> "Document | None":
         raise DocumentError(f"{text}: {twice[0]} is given twice")
     if "name" not in keys:
         stated.append(("name", text.replace(",", " ")))
-    return document_of(
+    found = document_of(
         [Cell(key, value, Place(text, 0, 0)) for key, value in stated], text
     )
+    found.written, found.cells = found.text, ()  # its other keys are no labels
+    return found
 
 
 def _in_one_unit(sizes: list[str]) -> list[str]:

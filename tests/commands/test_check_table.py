@@ -37,6 +37,13 @@ def test_the_file_holds_the_rows_that_check_prints(rocking, tmp_path):
     assert json.loads(info.stdout)["complete"] == "yes"
 
 
+def test_the_file_of_a_family_holds_the_varied_values(rocking):
+    family = ("block:0.5x2", "--vary", "height=2:3:2", "--verdict-only")
+    rocking("check", *family, *CALL[2:], "-o", "v.h5")
+    held = csv.DictReader(rocking("convert", "v.h5").stdout.splitlines())
+    assert [row["varied_height"] for row in held] == ["2.0", "3.0"]
+
+
 REFUSED = [
     (("-o", "v.h5", "--sort", "capacity"), "--sort does not go with -o FILE.h5"),
     (("-o", "v.h5", "--where", "theta_ratio < 1"), "--where does not go with"),

@@ -298,9 +298,17 @@ def test_rows_with_faults_are_told_and_left_out_and_some_rows_are_printed(
     assert "--where: found 'rom'" in refused.stderr
 
 
-@pytest.mark.parametrize("form", ["--csv", "--json"])
-def test_rows_that_wait_on_the_disk_are_the_same(rocking, monkeypatch, form):
-    call = ("params", "configs/block.yaml", "configs/arch.yaml", form)
-    held = rocking(*call).stdout
-    monkeypatch.setattr("rocking_cli.commands.params._HELD", 1)
-    assert rocking(*call).stdout == held != ""
+CHECK = ("check", "--a-g", "0.35g", "--f-g", "1.5", "--verdict-only")
+
+
+@pytest.mark.parametrize(
+    "call", [("params", "--csv"), ("params", "--json"), (*CHECK, "--sign", "both")]
+)
+def test_what_waits_on_the_disk_is_the_same(rocking, monkeypatch, call):
+    call = (*call, "configs/block.yaml", "configs/prism.yaml")
+    held = rocking(*call)
+    monkeypatch.setattr("rocking_cli.packed._HELD", 1)
+    monkeypatch.setattr("rocking_cli.packed._TOGETHER", 1)
+    packed = rocking(*call)
+    assert packed.stdout == held.stdout != ""
+    assert packed.stderr == held.stderr

@@ -20,7 +20,7 @@ from ...errors import OutputError, UsageError
 from ...motions import Harmonic, Motion, Piece
 from ...motions.grid import Axis, Grid
 from ...structures.parameters import RockingParameters
-from ..dimensions import LABEL, VARIABLES, Frame, Values, varied_units
+from ..dimensions import LABEL, VARIABLES, VARIED, Frame, Values, varied_units
 from .integrity import SIGNATURE, Log, checked_digest, read, reason
 from .layout import (
     BOOKKEEPING,
@@ -397,7 +397,8 @@ class SpectraFile(ExitStack[None]):
         self, progress: Callable[[int, int], None] | None = None
     ) -> Iterator[dict[str, Any]]:
         """Yield a row for every computed cell: its place on each dimension, in SI
-        units, and its variables; of a verdict also the labels of the structure.
+        units, and its variables; of a verdict also labels and varied keys of the
+        structure.
 
         Parameters
         ----------
@@ -420,10 +421,11 @@ class SpectraFile(ExitStack[None]):
         height = self.chunk_grid.chunk[1]
         begins = range(0, len(frequencies), height)
         names = sorted(self.names, key=lambda name: name != "outcome")
-        labels = {
+        _, second, _ = self.frame.dimensions
+        beside = {
             name: values
-            for name, (_, values) in self.frame.extra.items()
-            if name.startswith(LABEL)
+            for name, (along, values) in self.frame.extra.items()
+            if along == second and name.startswith((LABEL, VARIED))
         }
         blocks = product(enumerate(places), begins)
         for done, ((i, place), begin) in enumerate(blocks, 1):
@@ -432,7 +434,7 @@ class SpectraFile(ExitStack[None]):
             for r, c in np.argwhere(computed).tolist():
                 where = place, frequencies[begin + r], columns[c]
                 found = {name: _value(name, block[name][r, c]) for name in names}
-                own = {name: values[begin + r] for name, values in labels.items()}
+                own = {name: values[begin + r] for name, values in beside.items()}
                 yield dict(zip(self.frame.dimensions, where, strict=True)) | found | own
             if progress:
                 progress(done, len(places) * len(begins))

@@ -107,12 +107,13 @@ def _declare(document: Document) -> None:
     word = str(document.values["kind"].content)
     of = document.values.get("structure_kind")  # of parameters
     keys = keys_of(word, str(of.content) if of else "")
-    for key in RIGID.all.keys() & document.keys.keys() - keys.all.keys():
-        raise document.fault(
-            key,
-            f"{key} of kind {word}",
-            f"no {key}, or a kind of one rigid body, such as block or wall",
-        )
+    for key in document.keys:
+        if key in RIGID.all and key not in keys.all:
+            raise document.fault(
+                key,
+                f"{key} of kind {word}",
+                f"no {key}, or a kind of one rigid body, such as block or wall",
+            )
     if own_keys(word).all:
         document.declare(keys, known_keys)
     else:  # of a package: it takes what it reads

@@ -96,15 +96,17 @@ class BodyOnEdge(NamedTuple):
     a_scale: float = 1.0  # [-] (Eq. 2.4)
 
 
-def edge_at(body: Moments, pivot: Point, gravity: float) -> BodyOnEdge:
-    """Return the parameters of a body on a pivot (x, z) [m] below its mass centre,
-    without its restitution.
+def edge_at(
+    body: Moments, pivot: Point, gravity: float, eta: float = math.nan
+) -> BodyOnEdge:
+    """Return the parameters of a body on a pivot (x, z) [m] below its mass centre; eta:
+    its restitution, if it is known.
     """
     (x, z), (across, level) = pivot, body.centre
     distance, height = abs(x - across), level - z
     arm = math.hypot(distance, height)
     p = math.sqrt(gravity * arm * body.mass / body.about(x, z))
-    return BodyOnEdge(p, math.atan2(distance, height), distance / height, arm)
+    return BodyOnEdge(p, math.atan2(distance, height), distance / height, arm, eta)
 
 
 def edges_of(
@@ -116,8 +118,7 @@ def edges_of(
     left, right = (-half, 0.0), (half, 0.0)
     # I_G + m (z^2 - l r), the angular momentum about one edge of a turn about the other
     shared = body.between(right, left)
-    one, other = (
-        edge_at(body, at, gravity)._replace(eta=shared / body.about(*there))
-        for at, there in ((left, right), (right, left))
-    )
-    return one, other
+    one = edge_at(body, left, gravity, shared / body.about(*right))
+    if body.x == 0.0:
+        return one, one
+    return one, edge_at(body, right, gravity, shared / body.about(*left))

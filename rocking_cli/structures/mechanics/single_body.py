@@ -61,7 +61,7 @@ class RigidBody:
     def __post_init__(self) -> None:
         mass, x, _, polar = self.moments
         # An offset of rounding is none.
-        if self.eta is None and abs(x) <= 1e-13 * math.sqrt(mass * polar):
+        if x and self.eta is None and abs(x) <= 1e-13 * math.sqrt(mass * polar):
             object.__setattr__(self, "moments", self.moments._replace(x=0.0))
 
     @property
@@ -164,23 +164,26 @@ class RigidBody:
         more: dict[str, Any],
     ) -> RockingParameters:
         """Return the parameters on the left and the right edge."""
-        found = [restitution_of(document, edge.eta, self.limit) for edge in edges]
+        eta, source = restitution_of(document, edges[0].eta, self.limit)
+        if edges[0] == edges[1]:
+            numbers = self._numbers(edges[1], eta)
+            return RockingParameters(**numbers, eta_source=source, **more)
+        other, _ = restitution_of(document, edges[1].eta, self.limit)
         left, right = (
-            Side(name, **self._numbers(edge, eta))
-            for name, edge, (eta, _) in zip(SIDES, edges, found, strict=True)
+            Side(name, **self._numbers(edge, e))
+            for name, edge, e in zip(SIDES, edges, (eta, other), strict=True)
         )
-        if edges[0] != edges[1]:
-            weaker = min((left, right), key=lambda side: side.uplift)
-            direction = {"direction": f"over the {weaker.side} edge"}
-            more = {**more, "details": {**more["details"], **direction}}
+        weaker = min((left, right), key=lambda side: side.uplift)
+        direction = {"direction": f"over the {weaker.side} edge"}
+        more = {**more, "details": {**more["details"], **direction}}
         return RockingParameters.of_sides(
-            left=left, right=right, eta_source=found[0][1], **more
+            left=left, right=right, eta_source=source, **more
         )
 
     def _numbers(self, edge: BodyOnEdge, eta: float) -> dict[str, Any]:
         """Return the numbers on an edge; R is told if the ground forces are known."""
         arm = edge.arm if self.eta is None else None
-        return edge._replace(arm=arm, eta=eta)._asdict()
+        return {**edge._asdict(), "arm": arm, "eta": eta}
 
     def _restrained(
         self, document: Document, found: RockingParameters, inset: float
@@ -221,6 +224,8 @@ class RigidBody:
                     f"a larger one: the mass centre is {self.lever:.4g} m from an edge",
                 )
             return inset, self.inset_by(inset)
+        if not document.has("inset"):
+            return 0.0, self
         where = (
             f"a length from 0 to below {self.lever:g} m, beyond which the mass centre"
             " is not above the base"
