@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from support.documents import built
 from support.synthetic_records import motion_of_samples, noise
 
 from rocking_cli import (
@@ -22,7 +23,7 @@ from rocking_cli import (
 from rocking_cli.dynamics.contacts.contact import Symmetric
 from rocking_cli.dynamics.method import LINEAR, Method
 from rocking_cli.dynamics.outcome import safe
-from rocking_cli.envelopes.capacity import CapacitySearch
+from rocking_cli.envelopes.capacity import CapacitySearch, capacities
 from rocking_cli.envelopes.narrow_falls import FallSearch, side_by_side
 
 BLOCK = build_structure(
@@ -242,3 +243,23 @@ def test_the_lowest_of_narrow_falls_does_not_depend_on_the_one_that_was_found():
             pytest.approx(1.0 / 3.0, rel=0.4),
         )
     assert search.lowest_and_share(1.1, 1.2) == (1.2, 0.0)
+
+
+@pytest.mark.slow
+def test_no_capacity_depends_on_the_searches_beside_it():
+    """A slender body, one that may lose contact, and one of unequal sides."""
+    samples = [noise(120, 0.04, seed) for seed in (1, 2)]
+    motions = [motion_of_samples(x / np.abs(x).max(), 0.04) for x in samples]
+    bodies = [
+        built("kind: block\nwidth: 0.3\nheight: 1.2"),
+        built("kind: block\nwidth: 1.1\nheight: 1.2\nrestitution: 0.7"),
+        built("kind: rigid\nleft: 0.2\nright: 0.15\nheight: 0.6\ngyration: 0.35"),
+    ]
+    searches = [
+        CapacitySearch(body, motion, demand, 1.0 / body.p, Method("nonlinear"), 6.0)
+        for body, demand in zip(bodies, (1.2, 1.6, 4.0), strict=True)
+        for motion in motions
+    ]
+    together = list(capacities(searches))
+    assert [one.capacity() for one in searches] == together
+    assert len({one.first for one in together}) > 3
