@@ -248,18 +248,16 @@ def test_the_lowest_of_narrow_falls_does_not_depend_on_the_one_that_was_found():
 @pytest.mark.slow
 def test_no_capacity_depends_on_the_searches_beside_it():
     """A slender body, one that may lose contact, and one of unequal sides."""
-    samples = [noise(120, 0.04, seed) for seed in (1, 2)]
-    motions = [motion_of_samples(x / np.abs(x).max(), 0.04) for x in samples]
+    motions = [motion_of_samples(noise(220, 0.03, seed), 0.03) for seed in (1, 2, 1)]
     bodies = [
         built("kind: block\nwidth: 0.3\nheight: 1.2"),
         built("kind: block\nwidth: 1.1\nheight: 1.2\nrestitution: 0.7"),
         built("kind: rigid\nleft: 0.2\nright: 0.15\nheight: 0.6\ngyration: 0.35"),
     ]
     searches = [
-        CapacitySearch(body, motion, demand, 1.0 / body.p, Method("nonlinear"), 6.0)
-        for body, demand in zip(bodies, (1.2, 1.6, 4.0), strict=True)
-        for motion in motions
+        CapacitySearch(body, motion, demand, 1.0 / body.p, Method("nonlinear"), 4.0)
+        for body, motion, demand in zip(bodies, motions, (1.2, 1.6, 4.0), strict=True)
     ]
     together = list(capacities(searches))
     assert [one.capacity() for one in searches] == together
-    assert len({one.first for one in together}) > 3
+    assert len({one.first for one in together}) == 3
