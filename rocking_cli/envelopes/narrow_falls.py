@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 # A search: it yields amplitudes for the scan and returns the lowest fall, infinite
 # without one.
-Search = Generator[Array, None, float]
+Asking = Generator[Array, None, float]
 
 # ratio of neighbouring amplitudes, minus 1, in the tenth below a known fall
 _FINE = 6e-5
@@ -107,7 +107,7 @@ class FallSearch:
             self.known.update(zip(new.tolist(), falls.tolist(), strict=True))
         return np.array([self.known[a] for a in amplitude.tolist()])
 
-    def first(self, begin: float, end: float) -> Search:
+    def first(self, begin: float, end: float) -> Asking:
         """Search the lowest amplitude from `begin` to `end` at which the body falls."""
         if not begin < end:
             return math.inf
@@ -137,7 +137,7 @@ class FallSearch:
 
     def lowest(
         self, begin: float, seen: float, ratio: float = _FINE, near: float = _NEAR
-    ) -> Search:
+    ) -> Asking:
         """Search the lowest fall from `begin` to the amplitude `seen`, at which the
         body seems to fall: in a window of amplitudes at this ratio below `seen`, from
         near^2 times it on (if the march has seen it, from just below near times it),
@@ -234,7 +234,7 @@ def amplitudes(low: float, high: float, ratio: float) -> Array:
 
 
 def side_by_side(
-    searches: Sequence[tuple[FallSearch, Search]],
+    searches: Sequence[tuple[FallSearch, Asking]],
     tell: Callable[[float], None] = lambda _: None,
 ) -> list[float]:
     """Return what each search finds. The amplitudes for which they wait are scanned
@@ -243,7 +243,7 @@ def side_by_side(
     """
     found, left = [math.inf] * len(searches), 1.0
 
-    def kept(i: int, search: Search) -> Generator[Array]:
+    def kept(i: int, search: Asking) -> Generator[Array]:
         found[i] = yield from search
 
     def told(share: float) -> None:
