@@ -88,15 +88,21 @@ class Search:
     def _cells(self, amplitude: Array, omega: Array) -> Cells:
         return self.system.contact.cells(self.system.equation, amplitude, omega)
 
-    def outcome(self, amplitude: Array, omega: Array) -> Array:
+    def outcome(
+        self, amplitude: Array, omega: Array | float, how: str = "arrays"
+    ) -> Array:
         """Compute the response at these amplitudes: codes of `Outcome`, with ROCKED in
-        place of NO_UPLIFT.
+        place of NO_UPLIFT; how: as of `response`.
         """
-        return self.respond(amplitude, omega)[0]
+        return self.respond(amplitude, omega, how)[0]
 
-    def respond(self, amplitude: Array, omega: Array) -> tuple[Array, Array]:
+    def respond(
+        self, amplitude: Array, omega: Array | float, how: str = "arrays"
+    ) -> tuple[Array, Array]:
         """(codes of `Outcome`, number of impacts until the outcome was certain)."""
-        found = response(self.system, self.motion, amplitude, omega, peaks=False)
+        found = response(
+            self.system, self.motion, amplitude, omega, peaks=False, how=how
+        )
         return lifted(found.outcome), found.impacts_at_least
 
     def rows(self, omegas: Array) -> list[OutcomeSteps]:

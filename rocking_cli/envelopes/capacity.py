@@ -7,13 +7,13 @@ response at the demand.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+import math
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from ..arrays import Array
 from ..dynamics.march.proofs import FEW_SIGN_CHANGES
 from ..dynamics.method import Method
 from ..dynamics.shared_march import SharedMarch
@@ -26,7 +26,7 @@ from .first_falls import Climb, lowest_falls
 from .intervals import HIGHEST
 
 if TYPE_CHECKING:
-    from .lowest_fall import FallSearch
+    from .narrow_falls import FallSearch
 
 
 # ratio of neighbouring amplitudes, minus 1, of an envelope under a record: a cell costs
@@ -36,9 +36,8 @@ RATIO = 5e-3
 SHIFTS = np.array([0.0, *(sign * 10.0**-n for n in (12, 9, 6) for sign in (-1.0, 1.0))])
 _TRACED = 1e-6  # relative width to which boundaries under a record are traced
 _STATED = 1e-4  # relative width of falls that may be missed in the tenth below a fall
-_SCANNED = 0.4  # share of its scan in a search under a record, for the progress
+_TOGETHER = 24  # searches that share a scan, at most
 _PROVED = 20  # rows of a climb from which on proofs below it take less time
-_HALF = 60  # marches after which half of the rest of the search is taken as done
 
 
 @dataclass(frozen=True)
@@ -79,9 +78,15 @@ class CapacitySearch(NamedTuple):
             )
         return self.method.system_of(self.structure).least_uplift(self.motion), top
 
+    def can_be_scanned(self) -> bool:
+        """True if an approximate scan can follow the body under a record."""
+        from .scan import Scan
+
+        return Scan.supports(self.method.system_of(self.structure), self.motion)
+
     def fall_search(self) -> FallSearch:
         """Set up the search for narrow falls."""
-        from .lowest_fall import FallSearch
+        from .narrow_falls import FallSearch
 
         digits = tracing_width(self.method, self.motion)
         return FallSearch.of(
@@ -91,74 +96,97 @@ class CapacitySearch(NamedTuple):
             digits,
         )
 
-    def capacity(
-        self,
-        begun: FallSearch | Capacity | None = None,
-        progress: Callable[[float], None] | None = None,
-    ) -> Capacity:
-        """Compute the capacity; begun: what `begun_together` has found of it; progress:
-        called now and then with about the share that is done.
+    def capacity(self) -> Capacity:
+        """Compute the capacity.
 
         Intervals narrower than `narrowest` may be missed, but not around the demand.
         Changes are traced to `tracing_width`. Raises UsageError if the demand or
         `a_max` is above the limit of a scan.
         """
-        if begun is None:
-            (begun,) = begun_together([self])
-        if isinstance(begun, Capacity):
-            return begun
-        if progress is not None:
-            begun = replace(begun, falls=_told_by_marches(begun.falls, progress))
-        return self._by_falls(begun, *self.ends())
-
-    def _by_falls(self, falls: FallSearch, lowest: float, top: float) -> Capacity:
-        """The capacity under a record: the lowest falls below and above the demand."""
-        demand = self.amplitude
-        stands = demand <= lowest or not falls.falls(np.array([demand]))[0]
-        below = falls.first(lowest, min(demand, top)) if lowest < demand else None
-        above = falls.first(max(lowest, demand), top) if stands else None
-        first = below or (above if stands else falls.lowest(lowest, demand))
-        share = 0.0 if first is None else falls.share_of_falls(first)
-        return Capacity(first, above, lowest, share)
+        (found,) = capacities([self])
+        return found
 
 
-def begun_together(
-    searches: Sequence[CapacitySearch], progress: Callable[[float], None] | None = None
-) -> list[FallSearch | Capacity]:
-    """Return for each search under a record the search for narrow overturning
-    intervals, whose scans are one; under a pulse, and where the body is not lifted, the
-    capacity. progress: called now and then with about the share of the searches that is
-    done. Raises UsageError as `CapacitySearch.ends`.
+def capacities(
+    searches: Sequence[CapacitySearch],
+    tell: Callable[[int, float], None] = lambda _, share: None,
+) -> Iterator[Capacity]:
+    """Yield the capacity of each search: those under one pulse share their marches, and
+    some of those under records their scans. tell: called now and then with the index of
+    a search and about the share of it that is done. Raises UsageError as
+    `CapacitySearch.ends`.
     """
-    found: dict[int, FallSearch | Capacity] = {}
-    scanned = []
+    found: dict[int, Capacity] = {}
+    scanned: list[int] = []
     motions: dict[int, list[int]] = {}  # the searches under each pulse
     for i, one in enumerate(searches):
         lowest, top = one.ends()
         if not lowest < top:
-            found[i] = Capacity(None, None, lowest if np.isfinite(lowest) else None)
-        elif _long(one.motion):
-            found[i] = fall_search = one.fall_search()
-            demand = float(np.clip(one.amplitude, lowest, top))
-            scanned.append((fall_search, lowest, demand, top))
-        else:
+            found[i] = Capacity(None, None, _finite(lowest))
+        elif not _long(one.motion):
             motions.setdefault(id(one.motion), []).append(i)
-    if scanned:
-        from .lowest_fall import scan_together
-
-        told = progress or (lambda _: None)
-        scan_together(scanned, lambda share: told(_SCANNED * share))
+        elif one.can_be_scanned():
+            scanned.append(i)
     for own in motions.values():
         # Where the climb looks finely, the march of a body must not depend on others.
         finely = looks_finely(searches[own[0]].motion)
         for group in [[i] for i in own] if finely else [own]:
             found.update(
-                zip(group, _capacities([searches[i] for i in group]), strict=True)
+                zip(group, _under_a_pulse([searches[i] for i in group]), strict=True)
             )
-    return [found[i] for i in range(len(searches))]
+
+    def search_records(some: list[int]) -> None:
+        def told(share: float) -> None:
+            for i in some:
+                tell(i, share)
+
+        under_records = _under_records([searches[i] for i in some], told)
+        found.update(zip(some, under_records, strict=True))
+
+    for i in range(len(searches)):
+        if i not in found:
+            search_records(scanned[:_TOGETHER] if i in scanned else [i])
+            scanned = [k for k in scanned if k not in found]
+        yield found[i]
 
 
-def _capacities(searches: Sequence[CapacitySearch]) -> list[Capacity]:
+def _under_records(
+    searches: Sequence[CapacitySearch], progress: Callable[[float], None]
+) -> list[Capacity]:
+    """The capacities of bodies that are lifted, under records: the lowest falls below
+    and above the demand.
+    """
+    from .narrow_falls import side_by_side
+
+    rows = []
+    for one in searches:
+        falls, (lowest, top), demand = one.fall_search(), one.ends(), one.amplitude
+        stands = demand <= lowest or not falls.falls(np.array([demand]))[0]
+        falls.known[demand] = not stands
+        rows += [
+            (falls, falls.first(lowest, demand)),
+            (falls, falls.first(max(lowest, demand), top if stands else demand)),
+        ]
+    ends = np.reshape(side_by_side(rows, progress), (-1, 2))
+    return [
+        Capacity(
+            _finite(first := min(below, above)),
+            _finite(above),
+            one.ends()[0],
+            falls.share_of_falls(first) if math.isfinite(first) else 0.0,
+        )
+        for one, (falls, _), (below, above) in zip(
+            searches, rows[::2], ends.tolist(), strict=True
+        )
+    ]
+
+
+def _finite(amplitude: float) -> float | None:
+    """The amplitude, None if it is infinite."""
+    return amplitude if math.isfinite(amplitude) else None
+
+
+def _under_a_pulse(searches: Sequence[CapacitySearch]) -> list[Capacity]:
     """The capacities of bodies that are lifted, under one pulse: one climb up to the
     demand, and one above it.
     """
@@ -210,25 +238,8 @@ def _capacity(
         first, share_of_falls = search.fall_search().lowest_and_share(uplift, first)
     if is_first and first >= search.amplitude:
         above = first
-    safe_to = above if above is not None and np.isfinite(above) else None
+    safe_to = None if above is None else _finite(above)
     return Capacity(first, safe_to, uplift, share_of_falls)
-
-
-def _told_by_marches(
-    falls: Callable[[Array], Array], progress: Callable[[float], None]
-) -> Callable[[Array], Array]:
-    """The function `falls` of a search, which calls `progress` after each march. Nobody
-    knows how many marches a search takes, so the share approaches 1."""
-    marches = 0
-
-    def told(amplitude: Array) -> Array:
-        nonlocal marches
-        found = falls(amplitude)
-        marches += amplitude.size
-        progress(1.0 - (1.0 - _SCANNED) * 0.5 ** (marches / _HALF))
-        return found
-
-    return told
 
 
 def tracing_width(method: Method, motion: Motion) -> float:

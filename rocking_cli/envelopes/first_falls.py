@@ -98,63 +98,90 @@ def lowest_falls(
     amplitudes of a row that are computed together, None for as many as take little
     time; tell: called with the share that is done.
     """
+    climbing = _Climbing(march, climb, finely, rivals)
+    while climbing.going.size:
+        tell(climbing.climb_on(stretch))
 
-    def compute(row: Array, amplitude: Array) -> ScanPoints:
+    # The brackets of the falls are narrowed together.
+    found = climbing.fallen.take(
+        np.flatnonzero(climbing.fallen.high <= climbing.high[climbing.fallen.row])
+    )
+    parts = int(np.clip(_CUT // max(1, found.row.size), _LEAST, _PARTS))
+    found = narrowed(
+        lambda amplitude, row: climbing.compute(row, amplitude).label,
+        found,
+        digits,
+        parts,
+        lowest=True,
+    )
+    falls, stands = np.full((2, climb.high.size), np.inf)
+    outcome = np.full(climb.high.size, Outcome.ROCKED, dtype=np.uint8)
+    falls[found.row], stands[found.row] = found.high, found.low
+    outcome[found.row] = found.above
+    return FirstFalls(falls, stands, outcome)
+
+
+class _Climbing:
+    """The rows of a search on their way up: those that fall end."""
+
+    def __init__(
+        self, march: RowMarch, climb: Climb, finely: bool, rivals: Array | None
+    ) -> None:
+        self.march, self.climb = march, climb
+        self.finely, self.rivals = finely, rivals
+        self.high = climb.high.copy()  # the amplitude up to which each row climbs [-]
+        self.going = np.flatnonzero(climb.low <= climb.high)
+        self.place, self.room = 0, _FIRST
+        # the last points of the stretch before, of the rows that still climb
+        self.before = ScanPoints(*(np.zeros((self.going.size, 0), t) for t in "lfBl"))
+        # brackets of the falls, of each row one
+        self.fallen = Brackets(*(np.zeros(0, dtype=t) for t in "lffBB"))
+
+    def compute(self, row: Array, amplitude: Array) -> ScanPoints:
+        """The outcomes of rows at these amplitudes, of shapes that broadcast."""
         row = np.broadcast_to(row, amplitude.shape)
-        outcome, impacts = march(row.ravel(), amplitude.ravel())
+        outcome, impacts = self.march(row.ravel(), amplitude.ravel())
         outcome[safe(outcome)] = Outcome.ROCKED
         points = row, amplitude, outcome, impacts
         return ScanPoints(*(x.reshape(row.shape) for x in points))
 
-    high, place, going = climb.high.copy(), 0, np.flatnonzero(climb.low <= climb.high)
-    room, brackets = _FIRST, list[Brackets]()
-    before = ScanPoints(*(np.zeros((going.size, 0), dtype=t) for t in "lfBl"))
-    while going.size:
-        # A stretch of amplitudes of every row, after the last ones of the stretch
-        # before, next to which these may be changes.
-        count = stretch or max(_FEWEST, room // going.size)
-        room = min(2 * room, _CELLS)
-        amplitude = climb.amplitude(going[:, None], place + np.arange(count))
-        place += count
-        row = np.broadcast_to(going[:, None], amplitude.shape)
-        inside = amplitude <= high[row]
-        new = ScanPoints(row, amplitude, *np.zeros((2, *row.shape), dtype=np.int64))
-        _, _, new.label[inside], new.impacts[inside] = compute(
-            row[inside], amplitude[inside]
+    def climb_on(self, stretch: int | None) -> float:
+        """Climb by a stretch, of so many amplitudes of each row; return the share of
+        its way that the last row has climbed.
+        """
+        points = self._next_points(stretch)
+        known = points.amplitude <= self.high[points.row]
+        fallen = _first_changes(
+            ScanPoints(*(x[known] for x in points)), self.finely, self.compute
         )
-        points = ScanPoints(*map(np.hstack, zip(before, new, strict=True)))
 
         # The rows that fall in it end; the others go on up to the falls of rivals.
-        known = points.amplitude <= high[points.row]
-        fallen = _first_changes(
-            ScanPoints(*(x[known] for x in points)), finely, compute
-        )
-        brackets.append(fallen)
-        if rivals is not None:
-            most = np.full(rivals.max() + 1, np.inf)
-            np.minimum.at(most, rivals[fallen.row], WITHIN * fallen.high)
-            high = np.minimum(high, most[rivals])
-        share = climb.amplitude(going, np.array(place)) / high[going]
-        on = ~np.isin(going, fallen.row) & (share <= 1.0)
-        tell(float(share[on].min(initial=1.0)))
-        going, before = going[on], ScanPoints(*(x[on, -AROUND - 1 :] for x in points))
+        self.fallen = self.fallen.join(fallen)
+        if self.rivals is not None:
+            most = np.full(self.rivals.max() + 1, np.inf)
+            np.minimum.at(most, self.rivals[fallen.row], WITHIN * fallen.high)
+            self.high = np.minimum(self.high, most[self.rivals])
+        come = self.climb.amplitude(self.going, np.array(self.place))
+        share = come / self.high[self.going]
+        on = ~np.isin(self.going, fallen.row) & (share <= 1.0)
+        self.going = self.going[on]
+        self.before = ScanPoints(*(x[on, -AROUND - 1 :] for x in points))
+        return float(share[on].min(initial=1.0))
 
-    # The brackets of the falls are narrowed together.
-    falls, stands = np.full((2, high.size), np.inf)
-    outcome = np.full(high.size, Outcome.ROCKED, dtype=np.uint8)
-    if brackets:
-        found = Brackets.joined(brackets)
-        found = found.take(np.flatnonzero(found.high <= high[found.row]))
-        found = narrowed(
-            lambda amplitude, row: compute(row, amplitude).label,
-            found,
-            digits,
-            int(np.clip(_CUT // max(1, found.row.size), _LEAST, _PARTS)),
-            lowest=True,
+    def _next_points(self, stretch: int | None) -> ScanPoints:
+        """A stretch of amplitudes of every row, after the last ones of the stretch
+        before, next to which these may be changes.
+        """
+        count = stretch or max(_FEWEST, self.room // self.going.size)
+        row = np.repeat(self.going[:, None], count, axis=1)
+        amplitude = self.climb.amplitude(row, self.place + np.arange(count))
+        self.room, self.place = min(2 * self.room, _CELLS), self.place + count
+        inside = amplitude <= self.high[row]
+        new = ScanPoints(row, amplitude, *np.zeros((2, *row.shape), dtype=np.int64))
+        _, _, new.label[inside], new.impacts[inside] = self.compute(
+            row[inside], amplitude[inside]
         )
-        falls[found.row], stands[found.row] = found.high, found.low
-        outcome[found.row] = found.above
-    return FirstFalls(falls, stands, outcome)
+        return ScanPoints(*map(np.hstack, zip(self.before, new, strict=True)))
 
 
 def _first_changes(

@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..arrays import Array
-from ..dynamics.response import can_share_records, response, response_under_records
+from ..dynamics.response import can_share_records, response_under_records
 from ..dynamics.system import System
 from .boundaries import OutcomeSteps, Search, lifted
 from .changes import Brackets, narrowed
@@ -72,7 +72,7 @@ def _scanned_first(
     grids = [
         one.search.grid.amplitude(np.arange(one.search.grid.size)) for one in asked
     ]
-    digits = max(one.search.digits for one in asked)
+    digits = np.array([one.search.digits for one in asked])
     parts = max(one.search.parts for one in asked)
     follow(scans, grids, lambda share: progress(_DONE[0] * share))
     scanned = changes_by_scan(scans, grids, digits, parts)
@@ -111,62 +111,35 @@ def _one_by_one(asked: Sequence[RecordSearch], row: Array, amplitude: Array) -> 
     row = np.broadcast_to(row, amplitude.shape)
     label = np.empty(row.shape, dtype=np.uint8)
     for i in np.unique(row).tolist():
-        label[row == i] = _outcomes(asked[i], amplitude[row == i], "floats")
+        search, omega = asked[i]
+        label[row == i] = search.outcome(amplitude[row == i], omega, "floats")
     return label
 
 
 def _marched(asked: Sequence[RecordSearch], row: Array, amplitude: Array) -> Array:
     """The outcomes of these searches at these amplitudes, (amplitudes,), whose rows
-    rise.
+    rise. Searches that can share records share a run.
     """
     label = np.empty(row.size, dtype=np.uint8)
     runs: dict[object, list[int]] = {}
-    for i, one in enumerate(asked):
-        together = can_share_records(one.search.system, one.search.motion)
-        key = one.search.system.march_key(mixed=True)
-        runs.setdefault((key,) if together else i, []).append(i)
+    for i, (search, omega) in enumerate(asked):
+        if can_share_records(search.system, search.motion):
+            runs.setdefault(search.system.march_key(mixed=True), []).append(i)
+        else:
+            label[row == i] = search.outcome(amplitude[row == i], omega)
     for own in runs.values():
         at = np.flatnonzero(np.isin(row, own))
-        if len(own) == 1:
-            label[at] = _outcomes(asked[own[0]], amplitude[at], "arrays")
-            continue
-        of = np.searchsorted(own, row[at])
-        label[at] = _in_one_run([asked[i] for i in own], of, amplitude[at])
-    return label
-
-
-def _in_one_run(asked: Sequence[RecordSearch], of: Array, amplitude: Array) -> Array:
-    """The outcomes of searches that can share a run, (amplitudes,); of: the search of
-    each amplitude, rising.
-    """
-    counts = np.bincount(of, minlength=len(asked)).tolist()
-    system = System.of_each_cell([one.search.system for one in asked], counts)
-    motions = list({id(one.search.motion): one.search.motion for one in asked}.values())
-    numbers = {id(motion): number for number, motion in enumerate(motions)}
-    which, omega = (
-        np.repeat(of_each, counts)
-        for of_each in (
-            [numbers[id(one.search.motion)] for one in asked],
-            [one.omega for one in asked],
+        which = np.searchsorted(own, row[at])
+        searches, omegas = zip(*(asked[i] for i in own), strict=True)
+        system = System.of_each_cell(
+            [search.system for search in searches], np.bincount(which).tolist()
         )
-    )
-    got, _ = response_under_records(system, motions, which, amplitude, omega)
-    return lifted(got.outcome)
-
-
-def _outcomes(one: RecordSearch, amplitude: Array, how: str) -> Array:
-    """The outcomes of one search at these amplitudes."""
-    search = one.search
-    return lifted(
-        response(
-            search.system,
-            search.motion,
-            amplitude,
-            one.omega,
-            peaks=False,
-            how=how,
-        ).outcome
-    )
+        motions = [search.motion for search in searches]
+        got, _ = response_under_records(
+            system, motions, which, amplitude[at], np.array(omegas)[which]
+        )
+        label[at] = lifted(got.outcome)
+    return label
 
 
 def _steps(lowest: float, begin: int, found: Brackets, row: int) -> OutcomeSteps:

@@ -109,15 +109,6 @@ class Scan(Followed):
         pressed = (found.least > _PRESSED) & np.isfinite(found.least)
         return falls, ~falls & (amplitude > self.lane.safe) & ~pressed
 
-    def first_fall(self, begin: float, end: float) -> float | None:
-        """The lowest computed amplitude between these at which the body seems to
-        fall, None without one.
-        """
-        known = self.known
-        inside = (begin <= known.amplitude) & (known.amplitude <= end)
-        falling = known.amplitude[inside & ~safe(known.outcome)]
-        return float(falling[0]) if falling.size else None
-
     def _at(self, amplitude: Array) -> "Scanned":
         follow([self], [amplitude])
         at = np.searchsorted(self.known.amplitude, amplitude)
@@ -152,10 +143,10 @@ def follow(
 
 
 def changes_by_scan(
-    scans: Sequence[Scan], grids: Sequence[Array], digits: float, parts: int
+    scans: Sequence[Scan], grids: Sequence[Array], digits: Array, parts: int
 ) -> Brackets:
     """The changes of the outcome between neighbouring amplitudes of the grid of each
-    body, for each body a row, narrowed to the relative width `digits` by sections;
+    body, for each body a row, narrowed to its relative width in `digits` by sections;
     parts: those of the first cut.
     """
 

@@ -3,7 +3,7 @@ and the outcome by the linear equation.
 """
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from itertools import chain, islice
@@ -14,7 +14,7 @@ import numpy as np
 from ..dynamics.method import Method
 from ..dynamics.outcome import Outcome
 from ..envelopes.amplitudes import LONGEST_FINE, Limit, limit_of
-from ..envelopes.capacity import Capacity, CapacitySearch, begun_together
+from ..envelopes.capacity import Capacity, CapacitySearch, capacities
 from ..envelopes.intervals import A_MAX
 from ..errors import UsageError
 from ..motions import Motion
@@ -39,7 +39,6 @@ from .time_history import time_history
 from .verdict import FLOOR_COLUMNS, Verdict
 
 if TYPE_CHECKING:
-    from ..envelopes.lowest_fall import FallSearch
     from .sliding import SlideHistory
 
 Demand = tuple[RockingParameters, Motion, Grid]
@@ -118,12 +117,15 @@ def check(
     >>> verdict.outcome.flag, round(verdict.capacity_demand, 4)
     ('rocked', 1.1149)
     """
-    told = KnownShares(
-        1, lambda done: progress(_STAGES * done, _STAGES) if progress else None
+    demand = structure_from(structure), *demand_of(motion, shaking)
+    (verdict,) = _each(
+        _judged,
+        a_max,
+        False,
+        [demand],
+        lambda done: progress(_STAGES * done, _STAGES) if progress else None,
     )
-    body = structure_from(structure)
-    (demand,) = on_floors([(body, *demand_of(motion, shaking))])
-    return _judged(*demand, a_max, None, None, told.of(0))
+    return verdict
 
 
 def outcome_alone(
@@ -200,7 +202,7 @@ def _standing(
     motion: Motion,
     shaking: Grid,
     a_max: float | None,
-    begun: "FallSearch | Capacity | None",
+    found: Capacity | None,
     answer: Shaken | None,
     done: Callable[[float], None],
 ) -> Standing:
@@ -216,7 +218,7 @@ def _standing(
     moved = rotation if math.isfinite(rotation) else None
     if a_max is None:
         return Standing(answer.outcome, None, moved)
-    found = answer.search.capacity(begun, done)
+    assert found is not None  # a search is asked for
     first, _ = answer.lowest(found)
     demand = float(structure.ground_acceleration(answer.search.amplitude))
     capacity = None if first is None else first / demand
@@ -228,26 +230,26 @@ def _judged(
     motion: Motion,
     shaking: Grid,
     a_max: float | None,
-    begun: "FallSearch | Capacity | None",
+    found: Capacity | None,
     answer: Shaken | None,
     done: Callable[[float], None],
     forces: bool = True,
 ) -> Verdict:
-    """Return the verdict of `check`; begun: what is known of the capacity, as of
-    `begun_together`; answer: of `answers_together`, None if it is not known; done:
-    called with the share of the verdict that is known; forces: as of `verdicts`.
+    """Return the verdict of `check`; found: the capacity, None without a search;
+    answer: of `answers_together`, None if it is not known; done: called with the share
+    of the verdict that is known; forces: as of `verdicts`.
     """
     if answer is None:
         answer = answer_of(capacity_search(structure, motion, shaking, a_max or 0.0))
     search, method = answer.search, answer.search.method
     done(1 / _STAGES)
 
-    found, searched, free = Capacity(None, None, None), None, None
+    searched, free = None, None
     if a_max is None:
         least = answer.uplift if math.isfinite(answer.uplift) else None
         found = Capacity(None, None, least)
     else:
-        found = search.capacity(begun, lambda share: done(_SEARCHED * share))
+        assert found is not None
         searched = least_acceleration(structure, search.ends()[1])
         if structure.restraints:
             bare = search._replace(structure=replace(structure, restraints=None))
@@ -467,9 +469,9 @@ def _each(
         capacity_search(*demand, a or 0.0)
         for demand, a in zip(demands, most, strict=True)
     ]
-    found: Sequence[FallSearch | Capacity | None] = [None] * len(demands)
+    found: Iterable[Capacity | None] = [None] * len(demands)
     if a_max is not None:
-        found = begun_together(searches, lambda share: shares.all(_SEARCHED * share))
+        found = capacities(searches, lambda i, share: shares.grow(i, _SEARCHED * share))
     answers: Sequence[Shaken | None] = [None] * len(demands)
     if many:
         answers = answers_together(searches)

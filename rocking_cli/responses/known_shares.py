@@ -12,16 +12,12 @@ class KnownShares:
         self._shares = [0.0] * count
         self._tell = tell
 
-    def _grow(self, number: int, share: float) -> None:
+    def grow(self, number: int, share: float) -> None:
+        """Take the share of one verdict."""
         if share > self._shares[number]:
             self._shares[number] = share
             self._tell(sum(self._shares))
 
     def of(self, number: int) -> Callable[[float], None]:
         """Return a function that takes the share of one verdict."""
-        return partial(self._grow, number)
-
-    def all(self, share: float) -> None:
-        """Take a share of all verdicts."""
-        for number in range(len(self._shares)):
-            self._grow(number, share)
+        return partial(self.grow, number)

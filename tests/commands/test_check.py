@@ -811,8 +811,8 @@ def test_a_search_that_takes_minutes_is_announced(rocking, tmp_path, monkeypatch
 
     monkeypatch.setattr(check_demands, "_LONG", 50)
     monkeypatch.setattr(
-        "rocking_cli.envelopes.capacity.CapacitySearch.capacity",
-        lambda *_, **__: Capacity(None, None, 1.0),
+        "rocking_cli.responses.check.capacities",
+        lambda *_: [Capacity(None, None, 1.0)],
     )
     (tmp_path / "r.at2").write_text(at2([0.0, *noise(60, 0.05, 1)], 0.05))
     call = ("check", STATED, "--motion", "r.at2", "--a-max", "1.5")

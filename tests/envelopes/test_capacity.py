@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from support.documents import built
 from support.synthetic_records import motion_of_samples, noise
 
 from rocking_cli import (
@@ -22,8 +23,8 @@ from rocking_cli import (
 from rocking_cli.dynamics.contacts.contact import Symmetric
 from rocking_cli.dynamics.method import LINEAR, Method
 from rocking_cli.dynamics.outcome import safe
-from rocking_cli.envelopes.capacity import CapacitySearch
-from rocking_cli.envelopes.lowest_fall import FallSearch
+from rocking_cli.envelopes.capacity import CapacitySearch, capacities
+from rocking_cli.envelopes.narrow_falls import FallSearch, side_by_side
 
 BLOCK = build_structure(
     parse_documents("kind: block\nradius: 1.6065856\nalpha: 0.25\nrestitution: 0.9")[0]
@@ -156,6 +157,10 @@ def search_of(fall, approximate=None):
     )
 
 
+def first(search, begin, end):
+    return side_by_side([(search, search.first(begin, end))])[0]
+
+
 def falls(a):
     return any(low <= a <= high for low, high in NARROW) or (
         a >= 3.3264 and int((a - 3.3264) / 0.002) % 2 == 0
@@ -169,21 +174,22 @@ def falls(a):
 )
 def test_the_lowest_of_six_narrow_falls_is_found_under_a_record(shift):
     found = search_of(falls, lambda a: falls(a * (1.0 + shift)))
-    assert found.first(1.962, 40.0) == pytest.approx(3.16735, rel=1e-9, abs=0)
-    assert found.first(3.24, 40.0) == pytest.approx(3.3264, rel=1e-9, abs=0)
-    assert found.first(1.962, 3.1) is None
+    assert first(found, 1.962, 40.0) == pytest.approx(3.16735, rel=1e-9, abs=0)
+    assert first(found, 3.24, 40.0) == pytest.approx(3.3264, rel=1e-9, abs=0)
+    assert first(found, 1.962, 3.1) == np.inf
     assert found.share_of_falls(3.3264) == pytest.approx(0.5, abs=0.05)
 
 
 def test_a_scan_that_sees_no_fall_is_held_against_the_march():
     found = search_of(lambda a: a >= 3.3, lambda a: False)
-    assert found.first(1.962, 40.0) == pytest.approx(3.3, rel=1e-9, abs=0)
-    assert search_of(lambda a: False, lambda a: a > 3.0).first(1.962, 5.0) is None
+    assert first(found, 1.962, 40.0) == pytest.approx(3.3, rel=1e-9, abs=0)
+    misled = search_of(lambda a: False, lambda a: a > 3.0)
+    assert first(misled, 1.962, 5.0) == np.inf
 
 
 def test_the_share_of_falls_is_0_in_one_wide_interval():
     found = search_of(lambda a: a >= 3.3)
-    assert found.first(3.0, 4.0) == pytest.approx(3.3, rel=1e-9, abs=0)
+    assert first(found, 3.0, 4.0) == pytest.approx(3.3, rel=1e-9, abs=0)
     assert found.share_of_falls(3.3) == 0.0
 
 
@@ -193,9 +199,9 @@ def test_the_lowest_fall_under_a_record_is_cut_to_its_last_digits():
         System(LinearEquation(), Symmetric(0.9)),
     )
     found = FallSearch.of(system, motion, 0.4, 1e-9)
-    first = found.first(1.02, 8.0)
-    assert found.falls(first * (1.0 - 3e-9 * np.arange(2.0))).tolist() == [True, False]
-    below = np.linspace(0.9 * first, first * (1.0 - 1e-8), 100)
+    lowest = first(found, 1.02, 8.0)
+    assert found.falls(lowest * (1.0 - 3e-9 * np.arange(2.0))).tolist() == [True, False]
+    below = np.linspace(0.9 * lowest, lowest * (1.0 - 1e-8), 100)
     assert safe(response(system, motion, below, 0.4, peaks=False).outcome).all()
 
 
@@ -223,7 +229,7 @@ def test_a_scan_leads_to_the_fall_that_the_march_finds(dt, seed):
     found = CapacitySearch(oscillator, motion, 1.6, 0.4, LINEAR, 4.0).capacity()
     assert found.first is not None
     assert found.first == pytest.approx(
-        march.first(found.uplift, 4.0), rel=2e-6, abs=0
+        first(march, found.uplift, 4.0), rel=2e-6, abs=0
     )  # each is traced to 1e-6
 
 
@@ -237,3 +243,21 @@ def test_the_lowest_of_narrow_falls_does_not_depend_on_the_one_that_was_found():
             pytest.approx(1.0 / 3.0, rel=0.4),
         )
     assert search.lowest_and_share(1.1, 1.2) == (1.2, 0.0)
+
+
+@pytest.mark.slow
+def test_no_capacity_depends_on_the_searches_beside_it():
+    """A slender body, one that may lose contact, and one of unequal sides."""
+    motions = [motion_of_samples(noise(220, 0.03, seed), 0.03) for seed in (1, 2, 1)]
+    bodies = [
+        built("kind: block\nwidth: 0.3\nheight: 1.2"),
+        built("kind: block\nwidth: 1.1\nheight: 1.2\nrestitution: 0.7"),
+        built("kind: rigid\nleft: 0.2\nright: 0.15\nheight: 0.6\ngyration: 0.35"),
+    ]
+    searches = [
+        CapacitySearch(body, motion, demand, 1.0 / body.p, Method("nonlinear"), 4.0)
+        for body, motion, demand in zip(bodies, motions, (1.2, 1.6, 4.0), strict=True)
+    ]
+    together = list(capacities(searches))
+    assert [one.capacity() for one in searches] == together
+    assert len({one.first for one in together}) == 3

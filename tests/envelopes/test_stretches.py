@@ -14,7 +14,7 @@ from rocking_cli.dynamics.outcome import safe
 from rocking_cli.dynamics.shared_march import SharedMarch
 from rocking_cli.envelopes import boundaries, capacity
 from rocking_cli.envelopes.boundaries import Search
-from rocking_cli.envelopes.capacity import CapacitySearch, begun_together
+from rocking_cli.envelopes.capacity import CapacitySearch, capacities
 from rocking_cli.envelopes.stretches import (
     UNKNOWN,
     AmplitudeStretches,
@@ -190,7 +190,7 @@ def test_capacities_of_a_table_are_the_same_without_these_proofs_and_in_any_orde
         CapacitySearch(one, sine(), 2.0, 9.0 / one.p, NONLINEAR, 3.0) for one in bodies
     ]
     monkeypatch.setattr(capacity, "_PROVED", 2)
-    found = begun_together(searches)
-    assert begun_together(searches[::-1])[::-1] == found
+    found = list(capacities(searches))
+    assert list(capacities(searches[::-1]))[::-1] == found
     assert [one.capacity() for one in searches] == found
     assert len({one.first for one in found}) > 2

@@ -278,8 +278,8 @@ def test_a_demand_that_the_last_digits_decide_is_called_so(searched, monkeypatch
     """After 160 impacts five of fifteen amplitudes within a part of 1e-6 stand."""
     if not searched:
         monkeypatch.setattr(
-            "rocking_cli.envelopes.capacity.CapacitySearch.capacity",
-            lambda *_, **__: Capacity(None, None, 1.0),
+            "rocking_cli.responses.check.capacities",
+            lambda *_: [Capacity(None, None, 1.0)],
         )
     structure = built("kind: parameters\np: 2\nalpha: 0.25\neta: 0.98\nlambda: 0.25")
     omega_g = 1.1642588176866302 * structure.p
