@@ -17,6 +17,7 @@ from .frequency_search import OUTCOME_REACH, FrequencyRange, FrequencySearch, Te
 # steps in a cycle; ratio of the amplitudes minus 1, and amplitudes computed together
 _FINE_ON_FLOORS, _STEPS = 1e-3, 72
 _LADDER_ON_FLOORS, _RUNGS_ON_FLOORS = 0.05, 12
+_ONE = np.zeros(1, dtype=np.int64)  # the rows of the one body of a search
 
 
 class FloorMarch:
@@ -100,3 +101,6 @@ class FloorSearch(FrequencySearch):
             stretch=_RUNGS_ON_FLOORS,
             tell=tell,
         ).amplitude
+
+    def _first_at(self, one: FrequencyRange, omega: float, most: float) -> float:
+        return float(self._first_falls(_ONE, np.array([omega]), np.array([most]))[0])

@@ -134,6 +134,13 @@ class FrequencyRange(NamedTuple):
             low, high, 2 + math.ceil(math.log(high / low) / math.log(_RATIO))
         )
 
+    def first(self, omega: float, most: float) -> float:
+        """The first overturning amplitude at an Omega, infinite if none up to `most`
+        overturns.
+        """
+        found = self.search(omega, most).capacity().first
+        return math.inf if found is None else found
+
     def search(self, omega: float, most: float) -> CapacitySearch:
         """The search for overturning amplitudes up to `most` at an Omega."""
         return CapacitySearch(
@@ -257,7 +264,7 @@ class FrequencySearch:
         found: list[float | None] = []
         for body, one in enumerate(self.ranges):
             own = rows.of_body(body)
-            omega, least = self._least_of(body, own, rows, first, lower_inside)
+            omega, least = self._least_of(one, own, rows, first, lower_inside)
             if math.isinf(least):
                 found.append(None)
             elif one.amplitude < least:
@@ -291,7 +298,7 @@ class FrequencySearch:
 
     def _least_of(
         self,
-        body: int,
+        one: FrequencyRange,
         own: Array,
         rows: ScanRows,
         first: Array,
@@ -302,31 +309,28 @@ class FrequencySearch:
         falls at all rows; lower_inside: True for rows at an end of the range a little
         inside of which the first fall is lower.
         """
-        lowest, one = _minima(own, rows, first), self.ranges[body]
+        lowest = _minima(own, rows, first)
         if not lowest.size:
             return one.ends[0], math.inf
         best = lowest[first[lowest].argmin()]
         inner = lowest[~rows.at_an_end(lowest) | lower_inside[lowest]]
         most = min(one.most or math.inf, WITHIN * float(first[best]))
-        minima = [self._minimum(body, rows.around(row), most) for row in inner.tolist()]
+        minima = [self._minimum(one, rows.around(row), most) for row in inner.tolist()]
         least, omega = min(minima, default=(math.inf, 0.0))
         if least < first[best]:
             return omega, least
         return float(rows.omega[best]), float(first[best])
 
     def _minimum(
-        self, body: int, around: tuple[float, float], most: float
+        self, one: FrequencyRange, around: tuple[float, float], most: float
     ) -> tuple[float, float]:
-        """(minimum of the first overturning amplitude of a body between two Omega,
-        infinite if none up to `most` overturns it, its Omega); tells the progress.
+        """(minimum of the first overturning amplitude between two Omega, its Omega);
+        tells the progress.
         """
         from scipy.optimize import minimize_scalar
 
-        up_to = np.maximum(most, [2.0 * one.uplift for one in self.ranges])
         found = minimize_scalar(
-            lambda x: self._first_falls(
-                np.array([body]), np.array([math.exp(x)]), up_to
-            )[0],
+            lambda x: self._first_at(one, math.exp(x), most),
             bounds=tuple(map(math.log, around)),
             method="bounded",
             options={"xatol": self.fine},
@@ -334,6 +338,12 @@ class FrequencySearch:
         self.minima_found += 1
         self.tell(1.0 - (1.0 - _SCANNED) * 0.5 ** (self.minima_found / _HALF))
         return float(found.fun), math.exp(found.x)
+
+    def _first_at(self, one: FrequencyRange, omega: float, most: float) -> float:
+        """The first overturning amplitude of a body at an Omega, infinite if none up to
+        `most` overturns it.
+        """
+        return one.first(omega, most)
 
     def _of_outcomes(self, body: int, scan: Array, first: Array, omega: float) -> float:
         """Return the worst Omega of a body whose least overturning amplitude, at
@@ -435,7 +445,7 @@ class FrequencySearch:
             if body in done:
                 continue
             reach = OUTCOME_REACH * one.amplitude
-            first, omega = self._minimum(body, rows.around(row), reach)
+            first, omega = self._minimum(one, rows.around(row), reach)
             if first > one.amplitude:
                 continue
             _, outcome = self.under(np.array([body]), np.array([omega]))
