@@ -182,7 +182,7 @@ def check(
     elif wanted.vary:
         figure.draw(rows)
     else:
-        figure.draw(judged, units=parse_units("g" if _in_g(asked) else "m/s2"))
+        figure.draw(list(judged), units=parse_units("g" if _in_g(asked) else "m/s2"))
 
     opposite = opposite_outcomes(demands)
     demand.note_demand(demands.shakes)
