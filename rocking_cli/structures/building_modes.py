@@ -80,7 +80,7 @@ def parse_mode(text: str, option: str = "building") -> FloorMode:
     cells = [Cell(key.strip(), value.strip(), place) for key, _, value in parts]
     document = document_of(cells, place.source)
     try:
-        document.declare(MODE)
+        document.declare(MODE, lambda: [cell.key for cell in cells])  # no labels
         mode = _mode(document)
         if len(document.keys) < len(cells) or document.uncertain:
             raise document.fault(None, "a key twice, or with a spread", _FORM)

@@ -207,7 +207,7 @@ def test_a_floor_is_written_and_read_again(tmp_path):
         (["T=0.4,xi=0.05", "T=400 ms,xi=0.02"], "two modes of T = 0.4 s"),
         (["T=0.4 m,xi=0.05"], "T: found 0.4 m; expected a time"),
         (["T=nan,xi=0.05"], "T: found nan"),
-        ([""], "no key 'T'"),
+        ([""], "unknown key ''"),
     ],
 )
 def test_refusals(texts, found):
