@@ -51,6 +51,7 @@ def inline_document(text: str) -> "Document | None":
     keys = [key for key, _ in stated]
     if twice := [key for key in keys if keys.count(key) > 1]:
         raise DocumentError(f"{text}: {twice[0]} is given twice")
+    stated = _nested(stated, text)
     if "name" not in keys:
         stated.append(("name", text.replace(",", " ")))
     found = document_of(
@@ -58,6 +59,26 @@ def inline_document(text: str) -> "Document | None":
     )
     found.written, found.cells = found.text, ()  # its other keys are no labels
     return found
+
+
+def _nested(stated: list[tuple[str, str]], text: str) -> list[tuple[str, str]]:
+    """Return the keys with those of one mapping, such as friction.static and
+    friction.kinetic, joined to its value. Raises DocumentError for a key that has a
+    value and parts.
+    """
+    found: dict[str, str] = {}
+    for key, value in stated:
+        head, dot, name = key.partition(".")
+        if head in found and not (dot and name and found[head].startswith("{")):
+            raise DocumentError(
+                f"{text}: {head} is given twice, once with parts: {key}={value}"
+            )
+        inner = found[head][1:-1] + ", " if head in found else ""
+        if dot and name:
+            found[head] = f"{{{inner}{name}: {value}}}"
+        else:
+            found[key] = value
+    return list(found.items())
 
 
 def _in_one_unit(sizes: list[str]) -> list[str]:

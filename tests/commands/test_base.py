@@ -196,7 +196,7 @@ def test_bad_frictions(rocking, tmp_path, friction, said):
 
 
 def test_a_friction_of_two_numbers_round_trips(rocking, tmp_path):
-    text = "block:0.5x2,friction={static: 0.24, kinetic: 0.2}"
+    text = "block:0.5x2,friction.static=0.24,friction.kinetic=0.2"
     done = rocking("params", text, "--json")
     assert done.record["friction"] == {"static": 0.24, "kinetic": 0.2}
     (tmp_path / "p.json").write_text(done.stdout)

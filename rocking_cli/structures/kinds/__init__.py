@@ -14,8 +14,9 @@ A new kind is one file, and one line in KINDS. The file has
 - `sketch(document, parameters)` beside `build`, the geometry for `rocking draw`, if the
   kind has one.
 
-An installed package adds a kind by an entry point; `damping` and `friction` are read
-for it. Without `KEYS` it takes each key that it reads:
+An installed package adds a kind by an entry point; `damping`, `friction`, and `gravity`
+and `restitution` if build does not read them, are read for it. Without `KEYS` it takes
+each key that it reads:
 
     [project.entry-points."rocking.structures"]
     tower = "my_package.tower"
@@ -26,8 +27,10 @@ Entry points are read only for a `kind` that is not in KINDS.
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Sequence
 from contextlib import AbstractContextManager, nullcontext, suppress
+from dataclasses import replace
 from functools import cache
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -36,7 +39,14 @@ from ...documents.keys import Key, Keys
 from ...errors import DocumentError
 from ...plugins import blamed, installed
 from ..parameters import RockingParameters
-from ..shared_keys import RIGID, SHARED, has_loads
+from ..shared_keys import (
+    RIGID,
+    SHARED,
+    gravity_of,
+    has_loads,
+    one_sided_restitution_of,
+    restitution_of,
+)
 from ..sketch import Sketch
 
 if TYPE_CHECKING:
@@ -82,7 +92,7 @@ def build(document: Document, name: str) -> RockingParameters:
         built = _required(found, RockingParameters)
         if word not in KINDS:
             json.dumps(dict(built.details))  # which can be printed
-    return built
+    return _with_shared_keys(document, built)
 
 
 def _required(found: Any, kind: type[Made]) -> Made:
@@ -170,6 +180,33 @@ def _module(word: str) -> Any:
 def _own_module(name: str) -> Any:
     """Return a module of this package."""
     return import_module(f".{name}", __package__)
+
+
+def _with_shared_keys(
+    document: Document, built: RockingParameters
+) -> RockingParameters:
+    """Apply the gravity and restitution of the document if the kind has not read them;
+    p^2 is proportional to gravity. For a structure with two sides or a mechanism both
+    stay unread, and so are refused, since its other numbers may depend on them.
+    """
+    if built.sides or built.mechanism is not None:
+        return built
+    unread = {"gravity", "restitution"} - document.asked
+    if "gravity" in unread and document.has("gravity"):
+        gravity = gravity_of(document)
+        built = replace(
+            built, gravity=gravity, p=built.p * math.sqrt(gravity / built.gravity)
+        )
+    if "restitution" in unread and document.has("restitution"):
+        of = (
+            one_sided_restitution_of(document, (1.0, 1.0), built.eta)
+            if built.one_sided
+            else restitution_of(document, built.eta, "")
+        )
+        built = replace(
+            built, eta=of[0], eta_source=of[1] if of[1] == "given" else built.eta_source
+        )
+    return built
 
 
 def reports_of(word: str) -> Sequence[str]:

@@ -133,10 +133,37 @@ def test_an_installed_kind_may_declare_its_keys(install):
     assert found["storeys"]["description"] == "their number"
 
 
-def test_a_shared_key_that_an_installed_kind_does_not_read_is_refused(install):
+def test_shared_keys_are_read_for_an_installed_kind_that_does_not_read_them(install):
     install("tower", TOWER)
-    with pytest.raises(DocumentError, match=r"f.yaml:3:10: gravity: found gravity of"):
-        built("kind: tower\nstoreys: 7\ngravity: 1.62")
+    plain, moon = (
+        built(f"kind: tower\nstoreys: 7\nname: T{more}")
+        for more in ("", "\ngravity: 1.62")
+    )
+    assert moon == replace(plain, gravity=1.62, p=2.0 * math.sqrt(1.62 / 9.81))
+    given = built("kind: tower\nstoreys: 7\nname: T\nrestitution: 0.5\nfriction: 0.4")
+    assert given == replace(plain, eta=0.5, eta_source="given", friction=0.4)
+    assert built("kind: tower\nstoreys: 7\nname: T\nrestitution: auto") == plain
+    with pytest.raises(
+        DocumentError,
+        match=(
+            r"f.yaml:3:14: restitution: found 1.5; expected a number from 0 to 1, or"
+            r" auto"
+        ),
+    ):
+        built("kind: tower\nstoreys: 7\nrestitution: 1.5")
+
+
+def test_shared_keys_are_refused_where_more_than_p_and_eta_may_depend_on_them(install):
+    sides = (
+        "Side('left', 2.0, 0.2, 0.2, 1.0, 0.9), Side('right', 2.0, 0.3, 0.3, 1.0, 0.9)"
+    )
+    source = "from rocking_cli.structures import RockingParameters, Side\n" + BUILDS
+    install(
+        "leaning",
+        source.format(f"return RockingParameters.of_sides(name, 'leaning', {sides})"),
+    )
+    with pytest.raises(DocumentError, match=r"f.yaml:2:10: gravity: found gravity of"):
+        built("kind: leaning\ngravity: 1.62")
 
 
 def test_details_are_carried_along_only_for_the_kind_that_reports_them(install):
