@@ -117,13 +117,14 @@ def _require_a_hazard(points: Sequence[HazardPoint]) -> None:
     for before, now in pairwise([HazardPoint("", below, math.inf), *points]):
         if not now.level > before.level:
             raise DocumentError(
-                f"{now.place}: found a level that does not rise; expected rising levels"
-                " from 0"
+                f"{now.place}: found the level {now.level:g} after"
+                f" {max(before.level, 0.0):g} (in SI units); expected rising levels from"
+                " 0"
             )
         if now.rate > before.rate:
             raise DocumentError(
-                f"{now.place}: found a rate above that of the level before; expected a"
-                " hazard curve that does not rise"
+                f"{now.place}: found the rate {now.rate:g} above {before.rate:g} of the"
+                " level before; expected a hazard curve that does not rise"
             )
 
 
