@@ -118,8 +118,8 @@ def _require_a_hazard(points: Sequence[HazardPoint]) -> None:
         if not now.level > before.level:
             raise DocumentError(
                 f"{now.place}: found the level {now.level:g} after"
-                f" {max(before.level, 0.0):g} (in SI units); expected rising levels from"
-                " 0"
+                f" {max(before.level, 0.0):g} (in SI units); expected rising levels"
+                " from 0"
             )
         if now.rate > before.rate:
             raise DocumentError(

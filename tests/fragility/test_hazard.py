@@ -243,7 +243,7 @@ REFUSED = {
     ),
     "PGA [g],annual_rate\n0.1,0\n0.2,0\n": "found 0 levels",
     "PGA [g],annual_rate\n0.1,1e-3\n0.2,2e-3\n": (
-        "line 3: found the rate 0.002 above 0.001 of the level before; expected a hazard"
+        "line 3: found the rate 0.002 above 0.001 of the level before; expected a"
     ),
     "PGA [g],annual_rate\n0.2,1e-3\n0.1,1e-4\n": (
         "line 3: found the level 0.981 after 1.962 (in SI units); expected rising"
@@ -296,7 +296,7 @@ REFUSED = {
         ",9.000000E-01", ""
     ): "h.csv:4:7: found 6 cells; expected 7",
     OPENQUAKE.format(years="1.0", imt="PGA").replace("1.000000E-01", "6.000000E-01")
-    + "at 9.2,45.15": "column 6: found the rate 0.916291 above 0.693147 of the level before",
+    + "at 9.2,45.15": "column 6: found the rate 0.916291 above 0.693147 of the",
     OPENQUAKE.format(years="1.0", imt="PGA").replace("1.000000E-01", "-1.00000E-01")
     + "at 9.2,45.15": "found '-1.00000E-01'; expected a",
     OPENQUAKE.format(years="1.0", imt="PGA")

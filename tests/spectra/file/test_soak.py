@@ -338,7 +338,7 @@ def test_full_disks(tmp_path, table):
         full = (
             done.returncode == 1
             and len(done.stderr.splitlines()) == 1
-            and "cannot be written: File too large" in done.stderr
+            and "cannot be written: " in done.stderr  # HDF5 has words of its own
         )
         if full and not part.exists():
             counts["nothing left"] += 1
