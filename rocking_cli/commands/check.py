@@ -181,7 +181,7 @@ def check(
         figure.draw([one.check for one in by_code.checks.values()])
     elif wanted.vary:
         figure.draw(rows)
-    else:
+    elif wanted.output is not None:
         figure.draw(list(judged), units=parse_units("g" if _in_g(asked) else "m/s2"))
 
     opposite = opposite_outcomes(demands)

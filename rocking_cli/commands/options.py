@@ -291,9 +291,16 @@ def _told(
     from ..packed import Packed
     from ..structures import with_distinct_names
 
-    named = introduced(with_distinct_names(structures))
-    found = Packed(named) if packed else list(named)
-    if names := [s.name for s in found if "interfaces" in s.details]:
+    names = []
+
+    def seen() -> Iterator[RockingParameters]:
+        for s in introduced(with_distinct_names(structures)):
+            if "interfaces" in s.details:
+                names.append(s.name)
+            yield s
+
+    found = Packed(seen()) if packed else list(seen())
+    if names:
         note(f"followed on one interface, as if no other opened: {', '.join(names)}")
     return found
 

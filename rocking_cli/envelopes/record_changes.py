@@ -131,12 +131,14 @@ def _marched(asked: Sequence[RecordSearch], row: Array, amplitude: Array) -> Arr
         at = np.flatnonzero(np.isin(row, own))
         which = np.searchsorted(own, row[at])
         searches, omegas = zip(*(asked[i] for i in own), strict=True)
-        system = System.of_each_cell(
-            [search.system for search in searches], np.bincount(which).tolist()
-        )
-        motions = [search.motion for search in searches]
+        counts = np.bincount(which, minlength=len(own)).tolist()
+        system = System.of_each_cell([search.system for search in searches], counts)
+        # the segments of a record stand once, however many bodies it shakes
+        motions = list({id(one.motion): one.motion for one in searches}.values())
+        numbers = {id(motion): number for number, motion in enumerate(motions)}
+        under = np.array([numbers[id(one.motion)] for one in searches])
         got, _ = response_under_records(
-            system, motions, which, amplitude[at], np.array(omegas)[which]
+            system, motions, under[which], amplitude[at], np.array(omegas)[which]
         )
         label[at] = lifted(got.outcome)
     return label

@@ -24,6 +24,7 @@ from rocking_cli import (
     trace_envelope,
 )
 from rocking_cli.dynamics.method import LINEAR, Method
+from rocking_cli.envelopes import record_changes
 from rocking_cli.fragility.exposure import (
     Exposure,
     MotionSet,
@@ -112,7 +113,7 @@ def test_cells_lie_in_the_traced_intervals_and_shares_are_those_of_the_cells(
 
 
 @pytest.mark.slow
-def test_no_interval_depends_on_what_is_searched_together():
+def test_no_interval_depends_on_what_is_searched_together(monkeypatch):
     bodies = [
         built("kind: block\nwidth: 0.25\nheight: 1.2\nrestitution: 0.9"),
         built("kind: block\nwidth: 0.3\nheight: 1.2\nrestitution: 0.85"),
@@ -125,6 +126,19 @@ def test_no_interval_depends_on_what_is_searched_together():
     second = replace(motions, members=RECORDS[1:2])
     alone = [traced([body], second, workers=1)[0][0] for body in bodies]
     assert alone == [of_body[1] for of_body in together]
+
+    # The march holds a record once, however many bodies it shakes.
+    march, records = record_changes.response_under_records, []
+
+    def counted(system, motions, *cells):
+        records.append(len(motions))
+        return march(system, motions, *cells)
+
+    monkeypatch.setattr(record_changes, "response_under_records", counted)
+    assert traced(bodies[:2], second, workers=1) == [
+        of_body[1:] for of_body in together[:2]
+    ]
+    assert set(records) == {1}
 
     # The march agrees on both sides of each end.
     ends = np.array([x for pair in together[1][1] for x in pair if np.isfinite(x)])

@@ -150,14 +150,14 @@ def test_the_error_of_every_system_is_below_its_bound(system):
 @pytest.mark.parametrize("tolerance", TOLERANCES)
 @pytest.mark.parametrize("motion", MOTIONS)
 @pytest.mark.parametrize("system", NONLINEAR)
-def test_the_error_of_thousands_of_cells_is_below_its_bound_but_for_one(
+def test_the_error_of_thousands_of_cells_is_below_its_bound_but_for_two(
     system, motion, tolerance
 ):
     structure = structure_of(SYSTEMS[system])
     ((error, bound),) = errors(structure, motion, [tolerance], 2_000)
-    # of first order: of 255,180 such cells two exceed it, 1.1 and 1.6 times
-    assert (error <= 2.0 * (bound + ROUNDING)).all()
-    assert (error > bound + ROUNDING).sum() <= 1
+    # of first order: of 517,684 such cells six exceed it, by 1.6 times at most
+    assert (error <= 1.6 * (bound + ROUNDING)).all()
+    assert (error > bound + ROUNDING).sum() <= 2
     if error.size >= 100 and tolerance > 1e-12 and system not in LOOSE:
         assert bound.max() <= (1e7 if "record" in motion else 1e5) * error.max()
 

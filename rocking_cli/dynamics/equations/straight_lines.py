@@ -87,8 +87,7 @@ def last_terms(terms: Array, last: Array, unit: Array) -> Array:
 
 def line_drive(segments: Segments, lanes: Any, unit: Array | None = None) -> Drive:
     """Return the drive of lanes, with the names of `Lanes`, on their straight line from
-    now on. unit: unit of time
-    of the series [tau], None for the rest of the line.
+    now on. unit: unit of time of the series [tau], None for the rest of the line.
     """
     if unit is None:
         left = (segments.length[lanes.segment] - lanes.phase) / lanes.omega

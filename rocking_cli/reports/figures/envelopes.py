@@ -67,15 +67,20 @@ def bands(figure: Figure, rows: Rows, units: Units) -> list[Axes]:
     drawn = panels(figure, len(found))
     most = _reach(found.values(), over, units) if amplitude == "a" else None
     entries: dict[Outcome, Patch] = {}
+    hatched = False
     for axes, some in zip(drawn, found.values(), strict=True):
         x = _abscissa(axes, some, over, records, units)
         axes.set_title(_title(some, apart, units))
-        entries |= _draw(axes, some, amplitude, x, over, units)
+        own, searched = _draw(axes, some, amplitude, x, over, units)
         _stop_at(axes, most, units)
+        entries |= own
+        hatched = hatched or 0.0 < searched < float(axes.get_ylim()[1])
         axes.set_ylabel(label("a_g" if amplitude == "a" else "A", units))
-    stands = Patch(facecolor="white", edgecolor="0.5", label="stands")
-    unknown = Patch(label="not searched", **_UNKNOWN)
-    legend(drawn[0], [*entries.values(), stands, unknown])
+    # without upper ends nothing is known above the lower ones
+    word = "stands" if f"{amplitude}_to" in rows[0] else "stands below the first fall"
+    white = [Patch(facecolor="white", edgecolor="0.5", label=word)]
+    unknown = [Patch(label="not searched", **_UNKNOWN)] * hatched
+    legend(drawn[0], [*entries.values(), *white, *unknown])
     return drawn
 
 
@@ -143,9 +148,10 @@ def _stop_at(axes: Axes, most: float | None, units: Units) -> None:
 
 def _draw(
     axes: Axes, some: Rows, amplitude: str, x: np.ndarray, over: str, units: Units
-) -> dict[Outcome, Patch]:
+) -> tuple[dict[Outcome, Patch], float]:
     """Draw the intervals at each x, joined between neighbouring frequencies; only their
-    lower ends if the rows have no upper end. Return legend entries by outcome.
+    lower ends if the rows have no upper end. Return legend entries by outcome, and the
+    amplitude up to which all are known to be searched.
     """
     from matplotlib.patches import Patch
 
@@ -172,7 +178,8 @@ def _draw(
         if not ended:
             places, ends, _ = zip(*own, strict=True)
             axes.plot(places, ends, "o", color=colour, ms=4.0)
-    return {o: Patch(facecolor=COLOURS[o], label=o.sentence) for o in bars}
+    entries = {o: Patch(facecolor=COLOURS[o], label=o.sentence) for o in bars}
+    return entries, searched
 
 
 def _plot_changes(
